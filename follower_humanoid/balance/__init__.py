@@ -1,0 +1,1 @@
+"""ZMP, support polygon, and the law that keeps the ZMP inside it."""

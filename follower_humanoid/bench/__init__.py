@@ -1,0 +1,1 @@
+"""Scenarios with required numbers, and the measures taken on their runs."""

@@ -1,0 +1,1 @@
+"""From joint reference to motor voltage: legs and trunk, arms."""

@@ -1,0 +1,196 @@
+"""The wiring table: which node runs which object, how often, and what flows where.
+
+The ROS graph and the ROS-free `simulate(...)` are both built from this table, so they cannot differ.
+A component is a class with `Config`, `Inputs` and `Outputs` (frozen dataclasses) as attributes,
+made by `Component(config, robot, period)` with the period in seconds, and stepped by
+`step(inputs, time) -> Outputs`. An input or output that is None was not published at that tick.
+"""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from follower_humanoid.core.topics import TOPICS
+from follower_humanoid.errors import UnknownNameError
+from follower_humanoid.robot.model import RobotModel
+
+SIMULATOR = "simulator"
+
+
+class Component(Protocol):
+    """What a node runs."""
+
+    Config: type
+    Inputs: type
+    Outputs: type
+
+    def step(self, inputs: Any, time: float) -> Any:
+        """Computes the outputs of the tick at `time` [s]."""
+
+
+@dataclass(frozen=True)
+class NodeWiring:
+    """One node.
+
+    Attributes:
+        name: Node and executable name.
+        component: `module:Class` under this package, imported when the node is made.
+        period: Control ticks between two steps.
+        inputs: Field of `Inputs` → topic.
+        outputs: Field of `Outputs` → topic.
+        same_tick: True where the outputs of tick k are used at tick k (motor commands);
+            all others are used from the node's next period on.
+    """
+
+    name: str
+    component: str
+    period: int = 1
+    inputs: dict[str, str] = field(default_factory=dict)
+    outputs: dict[str, str] = field(default_factory=dict)
+    same_tick: bool = False
+
+    def component_class(self) -> Any:
+        """Imports the component's class."""
+        module, name = self.component.split(":")
+        return getattr(importlib.import_module(f"follower_humanoid.{module}"), name)
+
+    def make(self, config: Any, robot: RobotModel, tick: float) -> Component:
+        """A fresh component; `tick` is the control tick [s]."""
+        component: Component = self.component_class()(config, robot, self.period * tick)
+        return component
+
+
+_BODY_STATE = {"joints": "joint_states", "odometry": "odom"}
+_FEET = {"left_foot": "left_foot/wrench", "right_foot": "right_foot/wrench"}
+_HANDS = {"left_hand": "left_hand/wrench", "right_hand": "right_hand/wrench"}
+_LEADER = {
+    "leader_left": "leader/left_hand/wrench",
+    "leader_right": "leader/right_hand/wrench",
+    "push": "base/push",
+}
+
+WIRING: tuple[NodeWiring, ...] = (
+    NodeWiring(
+        "leader",
+        "leader.leader:Leader",
+        period=5,
+        outputs=_LEADER,
+    ),
+    NodeWiring(
+        SIMULATOR,
+        "plant.simulator:Simulator",
+        inputs={"legs": "legs/command", "arms": "arms/command", **_LEADER},
+        outputs={
+            **_BODY_STATE,
+            "imu": "imu",
+            **_FEET,
+            "left_wrist": "left_hand/wrench_raw",
+            "right_wrist": "right_hand/wrench_raw",
+            "left_applied": "left_hand/applied",
+            "right_applied": "right_hand/applied",
+            "base_applied": "base/applied",
+        },
+        same_tick=True,
+    ),
+    NodeWiring(
+        "wrench_sensing",
+        "sensing.hand_wrench:HandWrenchSensing",
+        inputs={**_BODY_STATE, "left_wrist": "left_hand/wrench_raw", "right_wrist": "right_hand/wrench_raw"},
+        outputs=_HANDS,
+    ),
+    NodeWiring(
+        "gait_mapping",
+        "gait.mapping:GaitMapping",
+        period=5,
+        inputs=_HANDS,
+        outputs={"gait": "gait"},
+    ),
+    NodeWiring(
+        "motion_composition",
+        "gait.composition:MotionComposition",
+        inputs={**_BODY_STATE, **_FEET, "gait": "gait"},
+        outputs={
+            "reference": "motion/reference",
+            "base": "motion/base",
+            "zmp_reference": "zmp_reference",
+            "dcm_reference": "dcm_reference",
+            "contacts": "motion/contacts",
+            "primitives": "primitives",
+            "footsteps": "footsteps",
+        },
+    ),
+    NodeWiring(
+        "zmp_balance",
+        "balance.balance:ZmpBalance",
+        inputs={
+            **_BODY_STATE,
+            **_FEET,
+            **_HANDS,
+            "reference": "motion/reference",
+            "base": "motion/base",
+            "zmp_reference": "zmp_reference",
+            "dcm_reference": "dcm_reference",
+            "contacts": "motion/contacts",
+        },
+        outputs={
+            "reference": "balance/reference",
+            "left_foot_reference": "left_foot/wrench_reference",
+            "right_foot_reference": "right_foot/wrench_reference",
+            "zmp": "zmp",
+            "zmp_command": "zmp_command",
+            "com": "com",
+            "support_polygon": "support_polygon",
+        },
+    ),
+    NodeWiring(
+        "leg_controller",
+        "control.legs:LegController",
+        inputs={
+            **_BODY_STATE,
+            **_FEET,
+            **_HANDS,
+            "reference": "balance/reference",
+            "left_foot_reference": "left_foot/wrench_reference",
+            "right_foot_reference": "right_foot/wrench_reference",
+        },
+        outputs={"command": "legs/command"},
+        same_tick=True,
+    ),
+    NodeWiring(
+        "arm_controller",
+        "control.arms:ArmController",
+        inputs={**_BODY_STATE, "imu": "imu", **_HANDS},
+        outputs={"command": "arms/command"},
+        same_tick=True,
+    ),
+)
+
+NODES: dict[str, NodeWiring] = {node.name: node for node in WIRING}
+PRODUCER: dict[str, NodeWiring] = {topic: node for node in WIRING for topic in node.outputs.values()}
+
+
+def node_wiring(name: str) -> NodeWiring:
+    """The wiring of one node.
+
+    Raises:
+        UnknownNameError: No node of that name.
+    """
+    if name not in NODES:
+        raise UnknownNameError("node", name, NODES)
+    return NODES[name]
+
+
+def used_tick(tick: int, topic: str) -> int:
+    """The tick whose message on `topic` is used at `tick`; negative: none yet.
+
+    State and commands of a tick are used at that tick; what a node with period P computes at
+    tick mP is used from tick (m+1)P on.
+    """
+    if topic not in TOPICS:
+        raise UnknownNameError("topic", topic, TOPICS)
+    producer = PRODUCER[topic]
+    if producer.same_tick:
+        return tick
+    return (tick // producer.period - 1) * producer.period

@@ -1,0 +1,1 @@
+"""What the leader does to the hands: force programmes."""

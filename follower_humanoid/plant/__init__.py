@@ -1,0 +1,1 @@
+"""The world the controllers cannot see into: physics engine, soles, motors, stops, sensors."""

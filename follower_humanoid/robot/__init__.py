@@ -1,0 +1,1 @@
+"""The robot as every node knows it: body table, URDF, Pinocchio model, posture."""
