@@ -69,10 +69,13 @@ class Wrench:
     Attributes:
         force: Shape (3,) [N].
         torque: Shape (3,) [N·m].
+        frame: Axes named by the message where a topic leaves the choice to people
+            (`leader/*`, `base/push`); empty: the topic's frame.
     """
 
     force: Array
     torque: Array
+    frame: str = ""
 
 
 @dataclass(frozen=True, slots=True)
