@@ -1,0 +1,28 @@
+"""First-order low-pass filter of a vector signal, exact for a signal that is constant between steps."""
+
+from __future__ import annotations
+
+import math
+
+from follower_humanoid.core.samples import Array
+
+
+class LowPass:
+    """`y' = (x − y)/T`, sampled: `y ← y + (1 − exp(−Δt/T)) (x − y)`.
+
+    The first sample passes unchanged: a filter that starts from zero would report a jump that
+    nobody measured.
+
+    Attributes:
+        value: y, or None before the first sample.
+    """
+
+    def __init__(self, time_constant: float, period: float) -> None:
+        """`time_constant` T [s], 0 = no filter; `period` Δt between samples [s]."""
+        self._share = 1.0 - math.exp(-period / time_constant) if time_constant > 0.0 else 1.0
+        self.value: Array | None = None
+
+    def step(self, sample: Array) -> Array:
+        """The filtered value after one more sample; same shape."""
+        self.value = sample if self.value is None else self.value + self._share * (sample - self.value)
+        return self.value
