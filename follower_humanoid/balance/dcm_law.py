@@ -1,0 +1,105 @@
+"""The DCM balance law: where the ZMP must be so that the DCM comes back to its plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from follower_humanoid.balance.hand_forces import HandEffect
+from follower_humanoid.core.config import parameter
+from follower_humanoid.core.samples import Array
+from follower_humanoid.robot.model import GRAVITY
+
+
+@dataclass(frozen=True)
+class DcmConfig:
+    """Gains of the DCM law and of the pelvis attitude."""
+
+    proportional: float = parameter(3.0, "decay rate of a DCM error", "1/s", 0, 20)
+    attitude_stiffness: float = parameter(120.0, "pelvis attitude feedback", "1/s²", 0, 1000)
+    attitude_damping: float = parameter(22.0, "pelvis rate feedback", "1/s", 0, 200)
+    inertia: float = parameter(8.0, "inertia that the attitude feedback turns", "kg·m²", 0.1, 50)
+    height_stiffness: float = parameter(60.0, "CoM height feedback", "1/s²", 0, 500)
+    height_damping: float = parameter(16.0, "CoM vertical speed feedback", "1/s", 0, 100)
+    attitude_reach: float = parameter(0.03, "largest ZMP shift for the attitude", "m", 0, 0.1)
+
+
+@dataclass(frozen=True, slots=True)
+class CenterState:
+    """CoM of the robot in world.
+
+    Attributes:
+        com: Shape (3,) [m].
+        velocity: Shape (3,) [m/s].
+    """
+
+    com: Array
+    velocity: Array
+
+
+def desired_zmp(
+    state: CenterState, dcm_reference: Array, zmp_reference: Array, hands: HandEffect, omega: float, gain: float
+) -> Array:
+    """p = p_ref + (1 + k/ω)(ξ − ξ_ref) with ξ = (c + ċ/ω + γ)/κ: the DCM error decays as e^{−kt}.
+
+    Args:
+        state: Measured CoM.
+        dcm_reference, zmp_reference: Plan in world, shape (2,) [m].
+        hands: Effect of the hand forces.
+        omega: Natural frequency [1/s].
+        gain: Decay rate k [1/s].
+
+    Returns:
+        ZMP in world before any limit, shape (2,) [m].
+    """
+    dcm = (state.com[:2] + state.velocity[:2] / omega + hands.gamma) / hands.kappa
+    return np.array(zmp_reference + (1.0 + gain / omega) * (dcm - dcm_reference))
+
+
+def attitude_shift(
+    error: Array, angular_velocity: Array, mass: float, config: DcmConfig
+) -> Array:
+    """The shift of the ZMP that turns the pelvis upright.
+
+    ΔM = I(k_p e − k_d ω) needs the ground force at p + (−ΔM_y, ΔM_x)/(m g).
+
+    Args:
+        error: Rotation vector from measured to desired pelvis attitude, in world, shape (3,) [rad].
+        angular_velocity: Pelvis minus desired, in world, shape (3,) [rad/s].
+        mass: Robot mass [kg].
+        config: Gains.
+
+    Returns:
+        Shape (2,) [m].
+    """
+    moment = config.inertia * (config.attitude_stiffness * error - config.attitude_damping * angular_velocity)
+    shift = np.array([-moment[1], moment[0]]) / (mass * GRAVITY)
+    return np.clip(shift, -config.attitude_reach, config.attitude_reach)
+
+
+def desired_force(
+    state: CenterState, height: float, height_velocity: float, zmp: Array, hands: HandEffect,
+    omega: float, mass: float, config: DcmConfig,
+) -> Array:
+    """What the ground must do to the feet in total.
+
+    F_xy = m ω²(c + γ − κ p) − Σ f_hand,xy and F_z = m(g + k_p e_z − k_d ė_z) − Σ f_hand,z.
+
+    Args:
+        state: Measured CoM.
+        height, height_velocity: Reference of the CoM height [m], [m/s].
+        zmp: Desired ZMP before the attitude shift, in world, shape (2,) [m].
+        hands: Effect of the hand forces.
+        omega: Natural frequency [1/s].
+        mass: Robot mass [kg].
+        config: Gains.
+
+    Returns:
+        Force on the robot in world, shape (3,) [N].
+    """  # fmt: skip
+    horizontal = mass * omega**2 * (state.com[:2] + hands.gamma - hands.kappa * zmp) - hands.force[:2]
+    lift = config.height_stiffness * (height - state.com[2])
+    lift += config.height_damping * (height_velocity - state.velocity[2])
+    vertical = mass * (GRAVITY + lift) - hands.force[2]
+    return np.array([horizontal[0], horizontal[1], max(float(vertical), 0.0)])

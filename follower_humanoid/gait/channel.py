@@ -1,0 +1,87 @@
+"""Channels: the coordinates that motion primitives move, each re-aimed at every tick.
+
+A primitive says where its channel must be and how much time is left; the channel answers with the next
+position, velocity and acceleration. Because every tick starts from the channel's own state, a
+target or a duration may change at any instant without a jump.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from follower_humanoid.core.samples import Array
+
+
+class MinimumJerkChannel:
+    """A coordinate that reaches its target at rest along the quintic of least jerk (Flash & Hogan 1985).
+
+    Attributes:
+        position, velocity, acceleration: Shape (n,), in the units of the coordinate.
+    """
+
+    def __init__(self, position: Array) -> None:
+        self.reset(position)
+
+    def reset(self, position: Array) -> None:
+        """Puts the channel at rest at a position."""
+        self.position: Array = np.array(position, dtype=float)
+        self.velocity: Array = np.zeros_like(self.position)
+        self.acceleration: Array = np.zeros_like(self.position)
+
+    def advance(self, target: Array, remaining: float, dt: float) -> None:
+        """One tick along the quintic from the present state to rest at the target.
+
+        Args:
+            target: Shape (n,).
+            remaining: Time until the target must be reached [s].
+            dt: Tick [s].
+        """
+        if remaining <= dt:
+            self.reset(target)
+            return
+        T = remaining
+        gap = target - self.position
+        v, a = self.velocity, self.acceleration
+        # x(t) = x + v t + a t²/2 + c3 t³ + c4 t⁴ + c5 t⁵ with x(T) = target, ẋ(T) = ẍ(T) = 0
+        c3 = (10.0 * gap - 6.0 * v * T - 1.5 * a * T**2) / T**3
+        c4 = (-15.0 * gap + 8.0 * v * T + 1.5 * a * T**2) / T**4
+        c5 = (6.0 * gap - 3.0 * v * T - 0.5 * a * T**2) / T**5
+        t = dt
+        self.position = self.position + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5))))
+        self.velocity = v + t * (a + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))
+        self.acceleration = a + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))
+
+    def hold(self, dt: float, settling: float = 0.05) -> None:
+        """No primitive owns the channel: what speed is left fades within `settling` [s]."""
+        decay = max(0.0, 1.0 - dt / settling)
+        self.velocity = self.velocity * decay
+        self.acceleration = np.zeros_like(self.position)
+        self.position = self.position + dt * self.velocity
+
+
+class ConstantSpeedChannel:
+    """A coordinate that reaches its target at the speed that gets it there in time.
+
+    Attributes:
+        position, velocity: Shape (n,).
+    """
+
+    def __init__(self, position: Array) -> None:
+        self.reset(position)
+
+    def reset(self, position: Array) -> None:
+        """Puts the channel at rest at a position."""
+        self.position: Array = np.array(position, dtype=float)
+        self.velocity: Array = np.zeros_like(self.position)
+
+    def advance(self, target: Array, remaining: float, dt: float) -> None:
+        """One tick towards the target; see `MinimumJerkChannel.advance`."""
+        if remaining <= dt:
+            self.reset(target)
+            return
+        self.velocity = (target - self.position) / remaining
+        self.position = self.position + dt * self.velocity
+
+    def hold(self, dt: float) -> None:
+        """No primitive owns the channel: it stays."""
+        self.velocity = np.zeros_like(self.position)

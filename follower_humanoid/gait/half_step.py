@@ -1,0 +1,163 @@
+"""One half-step in the making: which primitives run now, and the channels they move."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from follower_humanoid.core.samples import Side
+from follower_humanoid.gait.channel import ConstantSpeedChannel, MinimumJerkChannel
+from follower_humanoid.gait.feet import FootPose
+from follower_humanoid.gait.preview import ZmpLeg
+from follower_humanoid.gait.primitives import StepContext
+from follower_humanoid.gait.sequence import Phase, Sequence, primitive_name
+
+
+class SwingFoot:
+    """The channels of the foot in the air.
+
+    Attributes:
+        place: Sole origin over the ground, shape (2,) [m].
+        height: Sole height, shape (1,) [m].
+        attitude: (yaw, pitch) of the sole, shape (2,) [rad].
+        toe: Toe joint, shape (1,) [rad].
+    """
+
+    def __init__(self, foot: FootPose, toe: float) -> None:
+        self.side: Side = foot.side
+        self.place = MinimumJerkChannel(foot.xy)
+        self.height = MinimumJerkChannel(np.array([foot.z]))
+        self.attitude = MinimumJerkChannel(np.array([foot.yaw, 0.0]))
+        self.toe = MinimumJerkChannel(np.array([toe]))
+
+    def channels(self) -> dict[str, MinimumJerkChannel]:
+        """By the names that primitives use."""
+        return {
+            "swing_place": self.place,
+            "swing_height": self.height,
+            "swing_attitude": self.attitude,
+            "swing_toe": self.toe,
+        }
+
+
+class HalfStep:
+    """Runs the phases of a sequence once.
+
+    Attributes:
+        stance: The foot that carries during the swing.
+        closing: True for a step that only brings the feet together.
+        progress: Progress of the present phase, 0…1.
+        duration: Present time of the whole half-step [s]; may change at any tick.
+    """
+
+    def __init__(self, sequence: Sequence, stance: FootPose, swing: SwingFoot, closing: bool) -> None:
+        self._phases = sequence.phases
+        self._index = 0
+        self.stance = stance
+        self.swing = swing
+        self.closing = closing
+        self.progress = 0.0
+        self.duration = 1.0
+
+    @property
+    def phase(self) -> Phase:
+        """The present phase."""
+        return self._phases[self._index]
+
+    @property
+    def single_support(self) -> bool:
+        """Whether the swing foot is off the ground by plan."""
+        return self.phase.single_support
+
+    @property
+    def swing_progress(self) -> float:
+        """Progress over all phases of single support, 0…1; 0 before them."""
+        if not self.single_support:
+            return 0.0
+        shares = [phase.share for phase in self._phases if phase.single_support]
+        past = sum(p.share for p in self._phases[: self._index] if p.single_support)
+        return (past + self.progress * self.phase.share) / sum(shares)
+
+    @property
+    def transfer_progress(self) -> float:
+        """Progress over all phases of double support, 0…1; 1 after them."""
+        if self.single_support:
+            return 1.0
+        shares = [phase.share for phase in self._phases if not phase.single_support]
+        past = sum(p.share for p in self._phases[: self._index])
+        return (past + self.progress * self.phase.share) / sum(shares)
+
+    def remaining_swing(self) -> float:
+        """Time until the planned touchdown [s]."""
+        left = (1.0 - self.progress) * self.phase.share
+        return self.duration * (left + sum(p.share for p in self._phases[self._index + 1 :]))
+
+    def advance(self, context: StepContext, zmp: ConstantSpeedChannel, duration: float, dt: float) -> bool:
+        """One tick of every active primitive.
+
+        Args:
+            context: What targets are computed from.
+            zmp: The ZMP channel, which outlives the half-step.
+            duration: Time of the half-step by the walking parameters of this tick [s].
+            dt: Tick [s].
+
+        Returns:
+            True when the last phase has ended with this tick.
+        """
+        self.duration = duration
+        phase_time = duration * self.phase.share
+        owned = set()
+        for primitive in self.phase.primitives:
+            if not primitive.active(self.progress):
+                continue
+            owned.add(primitive.channel)
+            remaining = (primitive.end - self.progress) * phase_time
+            channel = zmp if primitive.channel == "zmp" else self.swing.channels()[primitive.channel]
+            channel.advance(primitive.target(context), remaining, dt)
+        for name, channel in self.swing.channels().items():
+            if name not in owned:
+                channel.hold(dt)
+        if "zmp" not in owned:
+            zmp.hold(dt)
+        self.progress += dt / phase_time
+        if self.progress < 1.0 - 1e-9:
+            return False
+        self.progress = 0.0
+        self._index += 1
+        if self._index < len(self._phases):
+            return False
+        self._index -= 1
+        self.progress = 1.0
+        return True
+
+    def zmp_plan(self, context: StepContext, duration: float) -> tuple[list[ZmpLeg], list[ZmpLeg]]:
+        """What the primitives still to come ask of the ZMP: until lift-off, and until touchdown."""
+        transfer: list[ZmpLeg] = []
+        swing: list[ZmpLeg] = []
+        for number, phase in enumerate(self._phases[self._index :]):
+            begin = self.progress if number == 0 else 0.0
+            part = swing if phase.single_support else transfer
+            part += phase_zmp_plan(phase, begin, context, duration)
+        return transfer, swing
+
+    def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
+        """Names of the active primitives and their completion."""
+        running = [p for p in self.phase.primitives if p.active(self.progress)]
+        names = tuple(primitive_name(p) for p in running)
+        return names, tuple(p.completion(self.progress) for p in running)
+
+
+def phase_zmp_plan(phase: Phase, begin: float, context: StepContext, duration: float) -> list[ZmpLeg]:
+    """What the primitives of a phase ask of the ZMP from progress `begin` on; gaps are rests."""
+    legs: list[ZmpLeg] = []
+    time = duration * phase.share
+    for primitive in phase.on_channel("zmp"):
+        if primitive.end <= begin:
+            continue
+        if primitive.start > begin:
+            legs.append((None, (primitive.start - begin) * time))
+            begin = primitive.start
+        legs.append((primitive.target(context), (primitive.end - begin) * time))
+        begin = primitive.end
+    if begin < 1.0:
+        legs.append((None, (1.0 - begin) * time))
+    return legs

@@ -1,0 +1,148 @@
+"""Sequences of motion primitives: what runs in parallel, what follows what; read from YAML."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from follower_humanoid.errors import ConfigurationError, UnknownNameError
+from follower_humanoid.gait.primitives import PRIMITIVES, Primitive
+from follower_humanoid.resources import share_path
+
+SUPPORTS = ("double", "single")
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Primitives that run in parallel.
+
+    Attributes:
+        name: For logs and errors.
+        single_support: True while the swing foot is in the air.
+        share: Part of the half-step time, 0…1.
+        primitives: At most one owner per channel at any progress.
+    """
+
+    name: str
+    single_support: bool
+    share: float
+    primitives: tuple[Primitive, ...]
+
+    def __post_init__(self) -> None:
+        if not self.primitives:
+            raise ConfigurationError(f"phase '{self.name}' has no primitives")
+        if not 0.0 < self.share <= 1.0:
+            raise ConfigurationError(f"phase '{self.name}': share = {self.share}: valid: above 0 to 1")
+        for primitive in self.primitives:
+            self._check_window(primitive)
+        for i, first in enumerate(self.primitives):
+            for second in self.primitives[i + 1 :]:
+                overlap = min(first.end, second.end) - max(first.start, second.start)
+                if first.channel == second.channel and overlap > 1e-9:
+                    raise ConfigurationError(
+                        f"phase '{self.name}': {_word(first)} and {_word(second)} both move "
+                        f"'{first.channel}' between {max(first.start, second.start)} and "
+                        f"{min(first.end, second.end)}"
+                    )
+
+    def _check_window(self, primitive: Primitive) -> None:
+        if not 0.0 <= primitive.start < primitive.end <= 1.0:
+            raise ConfigurationError(
+                f"phase '{self.name}', {_word(primitive)}: window {primitive.start} to {primitive.end}: "
+                "valid: 0 <= start < end <= 1"
+            )
+        for field in dataclasses.fields(primitive):
+            if not math.isfinite(getattr(primitive, field.name)):
+                raise ConfigurationError(f"phase '{self.name}', {_word(primitive)}: {field.name} is not finite")
+
+    def on_channel(self, channel: str) -> Iterator[Primitive]:
+        """The primitives that move a channel, in order of time."""
+        yield from sorted((p for p in self.primitives if p.channel == channel), key=lambda p: p.start)
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """Phases of a half-step, in order: double support first, single support last."""
+
+    name: str
+    phases: tuple[Phase, ...]
+
+    def __post_init__(self) -> None:
+        kinds = [phase.single_support for phase in self.phases]
+        if not kinds or kinds[-1] is not True or kinds[0] is not False or kinds != sorted(kinds):
+            raise ConfigurationError(
+                f"sequence '{self.name}': needs phases of double support, then of single support"
+            )
+        total = sum(phase.share for phase in self.phases)
+        if abs(total - 1.0) > 1e-6:
+            raise ConfigurationError(f"sequence '{self.name}': the shares add up to {total}, not 1")
+
+
+def primitive_name(primitive: Primitive) -> str:
+    """The name a primitive has in a sequence file."""
+    return type(primitive).__name__.lower()
+
+
+_word = primitive_name
+
+
+def load_sequence(path: str = "") -> Sequence:
+    """Reads a sequence file; the package's own half-step when the path is empty.
+
+    Raises:
+        ConfigurationError: The file, a phase or a primitive is unusable.
+    """
+    file = Path(path) if path else share_path("config/sequences/half_step.yaml")
+    try:
+        document = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigurationError(f"sequence {file} cannot be read: {error.strerror}") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        reason = " ".join(str(error).split())
+        raise ConfigurationError(f"sequence {file} is not YAML: {reason}") from None
+    if not isinstance(document, dict) or not isinstance(document.get("phases"), list):
+        raise ConfigurationError(f"sequence {file}: needs 'name' and a list 'phases'")
+    try:
+        phases = tuple(_phase(entry, number) for number, entry in enumerate(document["phases"], start=1))
+        return Sequence(str(document.get("name", file.stem)), phases)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"sequence {file}: {error}") from None
+
+
+def _phase(entry: Any, number: int) -> Phase:
+    if not isinstance(entry, dict) or not isinstance(entry.get("primitives"), list):
+        raise ConfigurationError(f"phase {number}: needs name, support, share and a list 'primitives'")
+    name = str(entry.get("name", number))
+    support = entry.get("support")
+    if support not in SUPPORTS:
+        raise ConfigurationError(f"phase '{name}': support = {support!r}: valid: {', '.join(SUPPORTS)}")
+    share = entry.get("share")
+    if isinstance(share, bool) or not isinstance(share, int | float):
+        raise ConfigurationError(f"phase '{name}': share = {share!r}: needs a number")
+    return Phase(name, support == "single", float(share), tuple(_primitive(p, name) for p in entry["primitives"]))
+
+
+def _primitive(entry: Any, phase: str) -> Primitive:
+    if not isinstance(entry, dict) or "primitive" not in entry:
+        raise ConfigurationError(f"phase '{phase}': a primitive needs a name, as in {{primitive: bend}}")
+    word = entry["primitive"]
+    if word not in PRIMITIVES:
+        raise UnknownNameError(f"primitive in phase '{phase}'", str(word), PRIMITIVES)
+    kind = PRIMITIVES[word]
+    fields = [field.name for field in dataclasses.fields(kind)]
+    values: dict[str, float] = {}
+    for key, value in entry.items():
+        if key == "primitive":
+            continue
+        if key not in fields:
+            raise UnknownNameError(f"parameter of {word} in phase '{phase}'", str(key), fields)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ConfigurationError(f"phase '{phase}', {word}: {key} = {value!r}: needs a number")
+        values[key] = float(value)
+    return kind(**values)

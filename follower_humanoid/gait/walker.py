@@ -1,0 +1,254 @@
+"""The walk as a whole: standing, half-step after half-step, closing step; and the plan ahead."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from follower_humanoid.core.config import parameter
+from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Gait, Side
+from follower_humanoid.gait.channel import ConstantSpeedChannel
+from follower_humanoid.gait.feet import (
+    FootPose,
+    FootstepConfig,
+    beside,
+    landing_pose,
+    mean_yaw,
+    midpoint,
+    wrap_angle,
+)
+from follower_humanoid.gait.half_step import HalfStep, SwingFoot, phase_zmp_plan
+from follower_humanoid.gait.preview import ZmpLeg
+from follower_humanoid.gait.primitives import StepContext
+from follower_humanoid.gait.sequence import Sequence
+
+TOGETHER = 0.03  # feet closer than this to their places side by side stand together [m], [rad/3]
+
+
+@dataclass(frozen=True)
+class WalkerConfig:
+    """Timing and the choices between two half-steps."""
+
+    half_step_time: float = parameter(3.1, "nominal half-step time (walk_speed = step_length)", "s", 0.3, 10)
+    shortest_half_step: float = parameter(0.4, "no half-step is made faster than this", "s", 0.2, 3)
+    swing_height: float = parameter(0.05, "nominal height of the swing foot (step_height = 1)", "m", 0.01, 0.2)
+    freeze: float = parameter(0.8, "share of the swing after which the landing place is kept", "", 0.1, 1)
+    stand_forward: float = parameter(0.03, "ZMP of standing ahead of the ankles", "m", -0.05, 0.12)
+    stand_time: float = parameter(1.2, "time to bring the ZMP between the feet", "s", 0.2, 5)
+    load_time: float = parameter(0.10, "time over which a foot takes or leaves its load", "s", 0.0, 1)
+    preview: float = parameter(4.0, "how far ahead the ZMP is planned", "s", 1, 10)
+    touchdown_load: float = parameter(30.0, "normal force that counts as contact", "N", 5, 200)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is to come.
+
+    Attributes:
+        zmp: Pieces of the ZMP plan from now on.
+        landing: How many of them pass until the next touchdown.
+        lift_off: How many of them pass until the next lift-off.
+        lifting: The foot that leaves the ground then, where it stands; None when no step follows.
+        footsteps: The coming landing poses.
+    """
+
+    zmp: list[ZmpLeg]
+    landing: int = 0
+    lift_off: int = 0
+    lifting: FootPose | None = None
+    footsteps: tuple[FootPose, ...] = ()
+
+
+class Walker:
+    """Decides what runs: nothing (standing), a half-step, or a closing step.
+
+    Attributes:
+        feet: Where the soles stand, or stood before the swing.
+        half_step: The one in the making, or None while standing.
+        landing: Landing pose of the half-step in the making.
+        zmp: Channel of the planned ZMP.
+        shares: Share of the weight either foot may take by plan, 0…1.
+        taken: Footprints in order, each with True if it counts as a half-step.
+    """
+
+    def __init__(
+        self, config: WalkerConfig, footsteps: FootstepConfig, sequence: Sequence,
+        feet: dict[Side, FootPose], zmp: Array,
+    ) -> None:  # fmt: skip
+        self._config = config
+        self._footsteps = footsteps
+        self._sequence = sequence
+        self.feet = dict(feet)
+        self.half_step: HalfStep | None = None
+        self.landing: FootPose | None = None
+        self.zmp = ConstantSpeedChannel(zmp)
+        self.shares = {side: 1.0 for side in SIDES}
+        self.taken: list[tuple[FootPose, bool]] = []
+        self._stand_remaining = config.stand_time
+        self._pace = Gait(1.0, 0.0, 1.0, 1.0, 0.0)
+
+    @property
+    def swinging(self) -> Side | None:
+        """The foot in the air by plan."""
+        half = self.half_step
+        return half.swing.side if half is not None and half.single_support else None
+
+    def step(self, gait: Gait, loads: dict[Side, float], toes: dict[Side, float], dt: float) -> Side | None:
+        """One tick.
+
+        Args:
+            gait: Walking parameters.
+            loads: Measured normal force of either foot [N].
+            toes: Reference angle of either toe joint [rad].
+            dt: Tick [s].
+
+        Returns:
+            The foot that has landed by plan with this tick, or None.
+        """
+        if gait.walk_speed > 0.0:
+            self._pace = gait
+        if self.half_step is None and gait.walk_speed > 0.0:
+            self._begin(self._first_swing(gait), gait, toes)
+        if self._may_give_up(gait):
+            self._stand()
+        half = self.half_step
+        if half is None or self.landing is None:
+            self.zmp.advance(self._rest_point(self.feet), max(self._stand_remaining, dt), dt)
+            self._stand_remaining -= dt
+            self._share_load(None, math.inf, dt)
+            return None
+        if half.swing_progress < self._config.freeze:
+            half.closing = gait.walk_speed == 0.0
+            self.landing = self._landing(half.stance, gait)
+        context = self._context(half.stance, self.landing, gait, loads, half)
+        ended = half.advance(context, self.zmp, self._duration(), dt)
+        leaving = half.swing.side
+        until_lift = 0.0 if half.single_support else half.remaining_swing() - self._swing_time()
+        self._share_load(leaving, until_lift, dt)
+        return self._land(gait, toes) if ended else None
+
+    def anchor(self, side: Side, foot: FootPose) -> None:
+        """The foot stands where it is measured, not where it was sent."""
+        self.feet[side] = foot
+        if self.half_step is not None and self.half_step.stance.side is side:
+            self.half_step.stance = foot
+        if self.taken and self.taken[-1][0].side is side:
+            self.taken[-1] = (foot, self.taken[-1][1])
+
+    def plan_ahead(self, gait: Gait) -> Plan:
+        """The ZMP from now on, and the feet it will stand on."""
+        half, feet = self.half_step, dict(self.feet)
+        if half is None or self.landing is None:
+            return Plan([(self._rest_point(feet), max(self._stand_remaining, 1e-3))])
+        duration = self._duration()
+        context = self._context(half.stance, self.landing, gait, {}, None)
+        transfer, swing = half.zmp_plan(context, duration)
+        legs = transfer + swing
+        landing = len(legs)
+        lift_off, lifting = len(transfer), None if half.single_support else feet[half.swing.side]
+        coming = [self.landing]
+        feet[self.landing.side] = self.landing
+        time, closing = sum(leg[1] for leg in legs), half.closing
+        while time < self._config.preview and not (gait.walk_speed == 0.0 and closing):
+            closing = gait.walk_speed == 0.0
+            stance = coming[-1]
+            place = self._landing(stance, gait)
+            context = self._context(stance, place, gait, {}, None)
+            for phase in self._sequence.phases:
+                if phase.single_support and lifting is None:
+                    lift_off, lifting = len(legs), feet[place.side]
+                legs += phase_zmp_plan(phase, 0.0, context, duration)
+            time += duration
+            coming.append(place)
+            feet[place.side] = place
+        if closing:
+            legs.append((self._rest_point(feet), self._config.stand_time))
+        return Plan(legs, landing, lift_off, lifting, tuple(coming))
+
+    def contacts(self) -> ContactPlan:
+        """Planned shares of the weight."""
+        return ContactPlan(left=self.shares[Side.LEFT], right=self.shares[Side.RIGHT])
+
+    def heading(self) -> float:
+        """Yaw between the two feet, the swing foot's own while it turns [rad]."""
+        yaws = dict(self.feet)
+        if self.half_step is not None:
+            swing = self.half_step.swing
+            yaws[swing.side] = replace(yaws[swing.side], yaw=float(swing.attitude.position[0]))
+        return mean_yaw(yaws[Side.LEFT], yaws[Side.RIGHT])
+
+    def _begin(self, swing: Side, gait: Gait, toes: dict[Side, float]) -> None:
+        stance = self.feet[swing.other]
+        foot = SwingFoot(self.feet[swing], toes[swing])
+        self.half_step = HalfStep(self._sequence, stance, foot, closing=gait.walk_speed == 0.0)
+        self.landing = self._landing(stance, gait)
+
+    def _land(self, gait: Gait, toes: dict[Side, float]) -> Side:
+        half = self.half_step
+        if half is None or self.landing is None:
+            raise RuntimeError("a foot lands only at the end of a half-step")
+        landed = half.swing.side
+        self.feet[landed] = self.landing
+        self.taken.append((self.landing, not half.closing))
+        if gait.walk_speed == 0.0 and self._together():
+            self._stand()
+        else:
+            self._begin(landed.other, gait, toes)
+        return landed
+
+    def _stand(self) -> None:
+        self.half_step = None
+        self.landing = None
+        self._stand_remaining = self._config.stand_time
+
+    def _may_give_up(self, gait: Gait) -> bool:
+        """Asked to stop before the first foot has left the ground."""
+        half = self.half_step
+        waiting = half is not None and not half.single_support and gait.walk_speed == 0.0
+        return waiting and self._together()
+
+    def _together(self) -> bool:
+        left, right = self.feet[Side.LEFT], self.feet[Side.RIGHT]
+        place = beside(left, self._footsteps)
+        away = math.hypot(place.x - right.x, place.y - right.y)
+        return away < TOGETHER and abs(wrap_angle(left.yaw - right.yaw)) < 3.0 * TOGETHER
+
+    def _first_swing(self, gait: Gait) -> Side:
+        """The foot on the side of the travel or the turn; the right one when straight ahead."""
+        heading = self.heading()
+        aside = math.sin(gait.walk_dir - heading) + wrap_angle(gait.heading - heading)
+        return Side.LEFT if aside > 0.05 else Side.RIGHT
+
+    def _landing(self, stance: FootPose, gait: Gait) -> FootPose:
+        return landing_pose(stance, gait, self._footsteps) if gait.walk_speed > 0 else beside(stance, self._footsteps)
+
+    def _duration(self) -> float:
+        time = self._config.half_step_time * self._pace.step_length / self._pace.walk_speed
+        return max(time, self._config.shortest_half_step)
+
+    def _swing_time(self) -> float:
+        return self._duration() * sum(p.share for p in self._sequence.phases if p.single_support)
+
+    def _rest_point(self, feet: dict[Side, FootPose]) -> Array:
+        return midpoint(feet[Side.LEFT], feet[Side.RIGHT], self._config.stand_forward)
+
+    def _context(
+        self, stance: FootPose, landing: FootPose, gait: Gait, loads: dict[Side, float], half: HalfStep | None
+    ) -> StepContext:
+        return StepContext(
+            stance=stance, landing=landing, gait=gait, swing_height=self._config.swing_height,
+            swing_load=loads.get(landing.side, 0.0),
+            swing_z=float(half.swing.height.position[0]) if half is not None else 0.0,
+            touchdown_load=self._config.touchdown_load,
+        )  # fmt: skip
+
+    def _share_load(self, leaving: Side | None, until_lift: float, dt: float) -> None:
+        """A foot takes and leaves its load over `load_time`; in the air it has none."""
+        ramp = max(self._config.load_time, dt)
+        for side in SIDES:
+            goal = 0.0 if side is leaving and until_lift <= ramp else 1.0
+            change = float(np.clip(goal - self.shares[side], -dt / ramp, dt / ramp))
+            in_air = side is self.swinging
+            self.shares[side] = 0.0 if in_air else self.shares[side] + change

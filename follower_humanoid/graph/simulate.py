@@ -1,0 +1,117 @@
+"""The whole chain as one loop, without ROS: same objects, same wiring, same results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any
+
+from follower_humanoid.core.config import build
+from follower_humanoid.graph.record import Run, RunRecorder
+from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, WIRING, NodeWiring, used_tick
+from follower_humanoid.robot.model import RobotModel
+
+TICK = 0.002
+Parameters = Mapping[str, Mapping[str, Any]]
+Interference = Callable[[str, int, Any], Any]
+
+
+class Chain:
+    """Every node's component, wired as in the graph, stepped tick by tick."""
+
+    def __init__(
+        self, parameters: Parameters | None = None, tick: float = TICK, urdf: str = "",
+        without: tuple[str, ...] = (), interference: Interference | None = None,
+    ) -> None:
+        """Makes the components.
+
+        Args:
+            parameters: Node → dotted parameter name → value; what is left out keeps its default.
+            tick: Control tick [s].
+            urdf: Robot description of controllers and plant; empty: the package's.
+            without: Nodes left out; their topics stay empty.
+            interference: Called with (topic, tick, sample) for every sample; what it returns flows on in
+                its place, as if another node published there.
+        """  # fmt: skip
+        self.tick_length = tick
+        self.robot = RobotModel(urdf)
+        self._parameters = parameters or {}
+        self._interference = interference
+        self.nodes = [node for node in WIRING if node.name not in without]
+        self.components = {node.name: self._make(node) for node in self.nodes}
+        self.simulator = self.components[SIMULATOR]
+        self._flow: dict[str, dict[int, Any]] = {topic: {} for topic in PRODUCER}
+        self.recorder = RunRecorder(tick, self.robot.joint_names, self.robot.urdf)
+        self.tick = 0
+
+    def advance(self) -> None:
+        """One control tick: state, references, commands, physics."""
+        tick, time = self.tick, self.tick * self.tick_length
+        simulator = next(node for node in self.nodes if node.name == SIMULATOR)
+        self._publish(simulator, self.simulator.observe())
+        for node in self.nodes:
+            if node.name != SIMULATOR and tick % node.period == 0:
+                self._publish(node, self.components[node.name].step(self._inputs(node), time))
+        self.simulator.advance(self._inputs(simulator))
+        self.tick += 1
+
+    def finish(self) -> Run:
+        """What was recorded so far."""
+        return self.recorder.finish()
+
+    def close(self) -> None:
+        """Ends the physics engine."""
+        self.simulator.close()
+
+    def _make(self, node: NodeWiring) -> Any:
+        config = build(node.component_class().Config, self._parameters.get(node.name, {}), node.name)
+        return node.make(config, self.robot, self.tick_length)
+
+    def _inputs(self, node: NodeWiring) -> Any:
+        values = {
+            name: self._flow[topic].get(used_tick(self.tick, topic)) for name, topic in node.inputs.items()
+        }
+        return node.component_class().Inputs(**values)
+
+    def _publish(self, node: NodeWiring, outputs: Any) -> None:
+        for field in fields(outputs):
+            sample = getattr(outputs, field.name)
+            topic = node.outputs[field.name]
+            if self._interference is not None:
+                sample = self._interference(topic, self.tick, sample)
+            if sample is None:
+                continue
+            flow = self._flow[topic]
+            flow[self.tick] = sample
+            flow.pop(self.tick - 2 * node.period, None)  # no longer used by any tick
+            self.recorder.add(topic, self.tick, sample)
+
+
+def simulate(
+    leader: str = "fig4", duration: float = 22.0, parameters: Parameters | None = None, *,
+    tick: float = TICK, urdf: str = "", interference: Interference | None = None, stop_at_fall: bool = True,
+) -> Run:
+    """Runs the whole chain for a time and returns everything that flowed.
+
+    Args:
+        leader: Force programme: built-in name, YAML file, or `none`.
+        duration: Simulated time [s].
+        parameters: See `Chain`.
+        tick: Control tick [s].
+        urdf: See `Chain`.
+        interference: See `Chain`.
+        stop_at_fall: End when the robot has fallen.
+    """  # fmt: skip
+    settings = {name: dict(values) for name, values in (parameters or {}).items()}
+    without = ("leader",) if leader == "none" else ()
+    if not without:
+        settings.setdefault("leader", {}).setdefault("programme", leader)
+    chain = Chain(settings, tick, urdf, without, interference)
+    try:
+        for _ in range(round(duration / tick)):
+            chain.advance()
+            if stop_at_fall and chain.simulator.fall is not None:
+                break
+        return chain.finish()
+    finally:
+        chain.close()
