@@ -1,1 +1,1 @@
-"""The world the controllers cannot see into: physics engine, soles, motors, stops, sensors."""
+"""The plant: world, soles, motors, stops, sensors. What only the simulator knows; free of ROS."""

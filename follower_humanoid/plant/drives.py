@@ -1,0 +1,69 @@
+"""What the motor drives do with commands, and without them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from follower_humanoid.core.config import parameter
+from follower_humanoid.core.samples import Array, Joints
+from follower_humanoid.plant.motors import MotorConfig
+from follower_humanoid.robot.model import Indices, RobotModel
+
+
+@dataclass(frozen=True)
+class HoldConfig:
+    """Local loop of a drive whose commands have stopped."""
+
+    stiffness: float = parameter(300.0, "voltage per position error", "V/rad", 0.0, 1e5)
+    damping: float = parameter(5.0, "voltage per velocity error", "V·s/rad", 0.0, 1e4)
+
+
+class Drives:
+    """One group of motor drives: pass commanded voltages on, or hold the last references.
+
+    Attributes:
+        missed: Ticks without a usable command.
+    """
+
+    def __init__(self, config: HoldConfig, motors: MotorConfig, robot: RobotModel, joints: Indices) -> None:
+        """Drives of `joints` (indices into the 45)."""
+        self._config, self.joints = config, joints
+        motor = motors.chosen()
+        toe = np.array(["toe" in robot.joint_names[j] for j in joints])
+        self._back_emf = np.where(toe, motor.toe_gear, motor.gear) * motor.back_emf_constant
+        self._limit = motor.voltage_limit
+        self.missed = 0
+        self._holding = False
+        size = len(joints)
+        self._load, self._reference, self._voltage = np.zeros(size), np.zeros(size), np.zeros(size)
+
+    def start(self, position: Array, voltage: Array) -> None:
+        """Takes the standing posture as the last reference, held by `voltage`; shapes (45,)."""
+        self._reference = position[self.joints].copy()
+        self._load = voltage[self.joints].copy()
+        self._holding = True
+
+    def receive(self, command: Joints | None) -> None:
+        """Takes the command of a control tick; None or numbers that are not finite: none."""
+        if command is None or not np.isfinite(command.effort.sum()):
+            self.missed += 1
+            self._holding = True
+            return
+        self._holding = False
+        self._voltage = command.effort
+        self._reference = command.position
+        # What holds the load once the motion has ended: the voltage less its back-EMF share.
+        limited = np.clip(command.effort, -self._limit, self._limit)
+        self._load = limited - self._back_emf * command.velocity
+
+    def write(self, position: Array, velocity: Array, voltage: Array) -> None:
+        """Writes this group's voltages of a physics step into `voltage`, shape (45,)."""
+        if not self._holding:
+            voltage[self.joints] = self._voltage
+            return
+        error = self._reference - position[self.joints]
+        voltage[self.joints] = (
+            self._load + self._config.stiffness * error - self._config.damping * velocity[self.joints]
+        )

@@ -1,0 +1,106 @@
+"""Voltage-driven DC motors behind gears: Savić et al. 2016, eqs. (12) and (13), sign corrected.
+
+    u = R i + C_e ω + L di/dt        τ = C_m i − B ω − J_r ω̇        ω = N q̇
+
+Integrated linearly implicitly: current and back-EMF are those at the end of the physics step, so
+that the loop through the rotor's inertia has no lag. On the output side, with Z = R + L/h:
+
+    τ = τ_u − D (q̇ + h q̈) − A q̈
+    τ_u = N C_m (u + L i/h)/Z,    D = N² (C_m C_e/Z + B),    A = N² J_r
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from follower_humanoid.core.config import parameter
+from follower_humanoid.core.samples import Array
+from follower_humanoid.robot.model import RobotModel
+
+
+@dataclass(frozen=True)
+class MotorConfig:
+    """One motor type for all joints, toes with a lower gear."""
+
+    named_set: str = parameter(
+        "own", "own: the values below; paper: the values of the paper's authors", choices=("own", "paper")
+    )
+    resistance: float = parameter(0.608, "terminal resistance R", "Ω", 1e-3, 100.0)
+    inductance: float = parameter(0.423e-3, "terminal inductance L", "H", 0.0, 1.0)
+    torque_constant: float = parameter(0.0934, "torque constant C_m, rotor side", "N·m/A", 1e-6, 1e3)
+    back_emf_constant: float = parameter(0.0934, "back-EMF constant C_e, rotor side", "V·s/rad", 0.0, 1e3)
+    rotor_inertia: float = parameter(5.36e-5, "rotor inertia J_r, rotor side", "kg·m²", 0.0, 1e3)
+    viscous_loss: float = parameter(1.0e-5, "viscous loss B, rotor side", "N·m·s/rad", 0.0, 10.0)
+    gear: float = parameter(50.0, "gear ratio N", "", 1e-3, 1e4)
+    toe_gear: float = parameter(20.0, "gear ratio of the toe joints", "", 1e-3, 1e4)
+    voltage_limit: float = parameter(48.0, "largest voltage, either sign", "V", 0.0, 1e3)
+
+    def chosen(self) -> MotorConfig:
+        """The values of the named set."""
+        return PAPER_MOTORS if self.named_set == "paper" else self
+
+
+# The paper's authors' values, given on the output side (so no gear): near velocity sources.
+PAPER_MOTORS = replace(
+    MotorConfig(),
+    named_set="paper", resistance=1.6, inductance=2.3e-3, torque_constant=75.5, back_emf_constant=72.2,
+    rotor_inertia=73.9, viscous_loss=0.00923, gear=1.0, toe_gear=1.0, voltage_limit=200.0,
+)  # fmt: skip
+
+
+class Motors:
+    """The 45 motors, output side.
+
+    Attributes:
+        inertia: Reflected rotor inertia A, shape (45,) [kg·m²].
+        damping: Implicit damping D, shape (45,) [N·m·s/rad].
+        drive: Torque τ_u of this step, shape (45,) [N·m].
+        current: Shape (45,) [A].
+        voltage: As clipped at the last step, shape (45,) [V].
+    """
+
+    def __init__(self, config: MotorConfig, robot: RobotModel, step: float) -> None:
+        """Motors at rest; `step` is the physics step [s]."""
+        motor = config.chosen()
+        toe = np.array(["toe" in name for name in robot.joint_names])
+        gear = np.where(toe, motor.toe_gear, motor.gear)
+        self._keep = motor.inductance / step
+        impedance = motor.resistance + self._keep
+        self.voltage_limit = motor.voltage_limit
+        self.resistance = motor.resistance
+        self.torque_per_current: Array = gear * motor.torque_constant
+        self.current_per_volt = 1.0 / impedance
+        self.current_per_velocity: Array = gear * motor.back_emf_constant / impedance
+        self.inertia: Array = gear**2 * motor.rotor_inertia
+        self.damping: Array = self.torque_per_current * self.current_per_velocity
+        self.damping += gear**2 * motor.viscous_loss
+        self._open_current = np.zeros_like(gear)
+        self.current = np.zeros_like(gear)
+        self.drive = np.zeros_like(gear)
+        self.voltage = np.zeros_like(gear)
+
+    def hold(self, torque: Array) -> None:
+        """Sets the currents that hold a static torque, shape (45,) [N·m]."""
+        self.current[:] = torque / self.torque_per_current
+        self.voltage[:] = self.resistance * self.current
+
+    def begin(self, voltage: Array) -> None:
+        """Takes the voltages of this step, shape (45,) [V], clipped to the limit."""
+        np.clip(voltage, -self.voltage_limit, self.voltage_limit, out=self.voltage)
+        np.multiply(self.current, self._keep, out=self._open_current)
+        self._open_current += self.voltage
+        self._open_current *= self.current_per_volt
+        np.multiply(self._open_current, self.torque_per_current, out=self.drive)
+
+    def finish(self, acceleration: Array, end_velocity: Array) -> Array:
+        """Ends the step: updates the currents, returns eq. (13)'s torque on the joints, (45,) [N·m].
+
+        Args:
+            acceleration: Joint acceleration of this step, shape (45,) [rad/s²].
+            end_velocity: Joint velocity at its end, shape (45,) [rad/s].
+        """
+        np.subtract(self._open_current, self.current_per_velocity * end_velocity, out=self.current)
+        torque: Array = self.drive - self.damping * end_velocity - self.inertia * acceleration
+        return torque

@@ -1,0 +1,225 @@
+"""The simulator as the graph sees it: world, robot and sensors behind control ticks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from follower_humanoid.core.config import parameter
+from follower_humanoid.core.samples import Array, Inertial, Joints, Odometry, Wrench
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.plant.drives import Drives, HoldConfig
+from follower_humanoid.plant.falls import Fall, FallWatch
+from follower_humanoid.plant.motors import MotorConfig
+from follower_humanoid.plant.plant_urdf import BodyErrorConfig
+from follower_humanoid.plant.robot_plant import RobotPlant
+from follower_humanoid.plant.sensors import SensorConfig, Sensors
+from follower_humanoid.plant.soles import SoleConfig
+from follower_humanoid.plant.standing import StandingConfig
+from follower_humanoid.plant.stops import StopConfig
+from follower_humanoid.plant.world import Ground, GroundConfig, World
+from follower_humanoid.robot.model import RobotModel
+
+# Where the wrenches of `leader_left`, `leader_right` and `push` act.
+PULLED = ("l_gripper", "r_gripper", "base_link")
+
+
+@dataclass(frozen=True)
+class SimulatorConfig:
+    """Everything that only the plant knows."""
+
+    physics_step: float = parameter(0.001, "physics step; control ticks are whole multiples", "s", 1e-5, 0.01)
+    ground: GroundConfig = GroundConfig()
+    soles: SoleConfig = SoleConfig()
+    motors: MotorConfig = MotorConfig()
+    stops: StopConfig = StopConfig()
+    standing: StandingConfig = StandingConfig()
+    body: BodyErrorConfig = BodyErrorConfig()
+    sensors: SensorConfig = SensorConfig()
+    hold: HoldConfig = HoldConfig()
+
+
+@dataclass(frozen=True)
+class SimulatorInputs:
+    """Commands of the current tick and wrenches that people apply; None: nothing came.
+
+    Attributes:
+        legs, arms: effort = motor voltages [V]; position, velocity = references the drives hold.
+        leader_left, leader_right: At the gripper frame's origin.
+        push: At the base_link origin. Axes of all three: `frame`, empty = world.
+    """
+
+    legs: Joints | None = None
+    arms: Joints | None = None
+    leader_left: Wrench | None = None
+    leader_right: Wrench | None = None
+    push: Wrench | None = None
+
+
+@dataclass(frozen=True)
+class SimulatorOutputs:
+    """State of the current tick; wrenches are means over the tick that just ended.
+
+    Attributes:
+        joints: All 45; effort = torque of corrected eq. (13) [N·m].
+        odometry, imu: At base_link.
+        left_foot, right_foot: Ground on foot, at and in the sole frame.
+        left_wrist, right_wrist: Hand on forearm, at and in the wrist frame.
+        left_applied, right_applied, base_applied: What people applied, axes of world.
+    """
+
+    joints: Joints
+    odometry: Odometry
+    imu: Inertial
+    left_foot: Wrench
+    right_foot: Wrench
+    left_wrist: Wrench
+    right_wrist: Wrench
+    left_applied: Wrench
+    right_applied: Wrench
+    base_applied: Wrench
+
+
+class Simulator:
+    """One follower in its world, stepped by control ticks.
+
+    Attributes:
+        tick: Control tick of the current state.
+        time: Its simulated time [s].
+        fall: The first fall, None while there was none.
+        plant: The robot's physics, for tests and for those who may know the truth.
+    """
+
+    Config = SimulatorConfig
+    Inputs = SimulatorInputs
+    Outputs = SimulatorOutputs
+
+    def __init__(self, config: SimulatorConfig, robot: RobotModel, period: float) -> None:
+        """The robot standing at time 0.
+
+        Args:
+            config: The plant's parameters.
+            robot: The model that all nodes share.
+            period: Control tick [s].
+
+        Raises:
+            ConfigurationError: The tick is no whole number of physics steps, or no posture exists.
+        """
+        ratio = period / config.physics_step
+        self._steps = round(ratio)
+        if self._steps < 1 or abs(ratio - self._steps) > 1e-6:
+            raise ConfigurationError(
+                f"physics_step = {config.physics_step} s: the control tick of {period} s "
+                f"must be a whole number of physics steps"
+            )
+        self._robot, self._period = robot, period
+        self.world = World(config.physics_step, Ground(config.ground))
+        self.plant = RobotPlant(
+            self.world, robot, config.motors, config.soles, config.stops, config.standing, config.body
+        )
+        self._sensors = Sensors(config.sensors, self.plant)
+        self._drives = [
+            Drives(config.hold, config.motors, robot, group) for group in (robot.groups.legs, robot.groups.arms)
+        ]
+        self._falls = FallWatch(float(self.plant.q[2]))
+        self._voltage = np.zeros(len(robot.joint_names))
+        self._frames = {frame.name: index for index, frame in enumerate(robot.pin_model.frames)}
+        self.tick = 0
+        self.time = 0.0
+        self.fall: Fall | None = None
+        self._applied = np.zeros((3, 6))
+        self._rest()
+
+    def _rest(self) -> None:
+        for drives in self._drives:
+            drives.start(self.plant.q[7:], self.plant.motors.voltage)
+        self._applied.fill(0.0)
+        self._sensors.at_rest()
+        self._outputs = self._read()
+
+    def reset(self) -> None:
+        """Puts the robot back on its feet; tick and time go on."""
+        self.plant.stand()
+        self.fall = None
+        self._rest()
+
+    @property
+    def missed_commands(self) -> int:
+        """Ticks times groups in which no usable command came and the drives held."""
+        return sum(drives.missed for drives in self._drives)
+
+    def knows_frame(self, name: str) -> bool:
+        """True for a name that a wrench's `frame` may have."""
+        return name in ("", "world") or name in self._frames
+
+    def observe(self) -> SimulatorOutputs:
+        """The state of the current tick."""
+        return self._outputs
+
+    def advance(self, inputs: SimulatorInputs) -> None:
+        """One control tick: voltages are held, wrenches act.
+
+        Raises:
+            UnknownNameError: A wrench names a frame that does not exist.
+            PhysicsError: The state left the finite numbers.
+        """
+        plant, sensors = self.plant, self._sensors
+        for drives, command in zip(self._drives, (inputs.legs, inputs.arms), strict=True):
+            drives.receive(command)
+        pulls = [
+            (index, name, wrench, self._axes(wrench))
+            for index, (name, wrench) in enumerate(
+                zip(PULLED, (inputs.leader_left, inputs.leader_right, inputs.push), strict=True)
+            )
+            if wrench is not None and (wrench.force.any() or wrench.torque.any())
+        ]
+        self._applied.fill(0.0)
+        sensors.clear()
+        for _ in range(self._steps):
+            hands = [(np.zeros(3), np.zeros(3)) for _ in PULLED]
+            for index, name, wrench, frame in pulls:
+                turn = self._rotation(frame)
+                force, torque = turn @ wrench.force, turn @ wrench.torque
+                plant.pull(name, force, torque)
+                hands[index] = (force, torque)
+                self._applied[index, :3] += force
+                self._applied[index, 3:] += torque
+            for drives in self._drives:
+                drives.write(plant.q[7:], plant.v[6:], self._voltage)
+            sensors.before_step()
+            rotation = plant.rotation
+            plant.step(self._voltage)
+            sensors.after_step((hands[0], hands[1]), rotation)
+        self._applied /= self._steps
+        self.tick += 1
+        self.time = self.tick * self._period
+        plant.time = self.time
+        if self.fall is None:
+            self.fall = self._falls.look(plant)
+        self._outputs = self._read()
+
+    def close(self) -> None:
+        """Ends the physics server."""
+        self.world.close()
+
+    def _axes(self, wrench: Wrench) -> int:
+        """Pinocchio frame whose axes a wrench is in; −1 for world."""
+        if wrench.frame in ("", "world"):
+            return -1
+        return self._robot.frame_id(wrench.frame)
+
+    def _rotation(self, frame: int) -> Array:
+        if frame < 0:
+            return np.eye(3)
+        return self.plant.frame_rotation(frame)
+
+    def _read(self) -> SimulatorOutputs:
+        readings = self._sensors.read()
+        left, right, base = (Wrench(row[:3].copy(), row[3:].copy()) for row in self._applied)
+        return SimulatorOutputs(
+            joints=readings.joints, odometry=readings.odometry, imu=readings.imu,
+            left_foot=readings.left_foot, right_foot=readings.right_foot,
+            left_wrist=readings.left_wrist, right_wrist=readings.right_wrist,
+            left_applied=left, right_applied=right, base_applied=base,
+        )  # fmt: skip
