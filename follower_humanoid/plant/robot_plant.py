@@ -126,7 +126,6 @@ class RobotPlant:
         state = standing(self.robot, self.model, self._posture, self._stiffness)
         self.place(state.configuration, np.zeros(self.model.nv))
         pin.computeJointJacobians(self.model, self.data, self.q)
-        for sole in self.soles:
         self.motors.hold(state.torque)
         self.effort = state.torque.copy()
         self.acceleration = np.zeros_like(self.v)
