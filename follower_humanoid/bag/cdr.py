@@ -154,12 +154,11 @@ Walk = Callable[[Cursor], tuple[tuple[str, ...], ...]]
 def decode_batch(messages: Sequence[bytes], walk: Walk) -> list[Batch]:
     """Decodes messages whose numbers are all float64, grouped by layout.
 
+    A message that is not of the type is in none of the batches.
+
     Args:
         messages: Serialized messages of one type, each beginning with a header.
         walk: Walks a cursor through one message and returns its texts.
-
-    Raises:
-        CdrError: A message is not of the type.
     """
     batches: list[Batch] = []
     by_length: dict[int, list[int]] = {}
@@ -169,8 +168,12 @@ def decode_batch(messages: Sequence[bytes], walk: Walk) -> list[Batch]:
         remaining = np.array(rows, dtype=np.intp)
         table = np.frombuffer(b"".join(messages[row] for row in rows), np.uint8).reshape(-1, length)
         while len(remaining):
-            cursor = Cursor(table[0].tobytes())
-            words = walk(cursor)
+            try:
+                cursor = Cursor(table[0].tobytes())
+                words = walk(cursor)
+            except CdrError:
+                table, remaining = table[1:], remaining[1:]
+                continue
             same = _same_structure(table, cursor)
             batches.append(_read(table[same], remaining[same], cursor, words))
             table, remaining = table[~same], remaining[~same]

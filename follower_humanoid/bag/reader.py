@@ -102,11 +102,8 @@ def _decode(into: _Collected, messages: list[Message]) -> None:
         return
     datas = [message.data for message in messages]
     received = np.array([message.received for message in messages], dtype=np.int64)
-    try:
-        batches = decode_batch(datas, WALKS[into.topic.kind])
-    except CdrError:
-        into.broken += len(messages)
-        return
+    batches = decode_batch(datas, WALKS[into.topic.kind])
+    into.broken += len(messages) - sum(len(batch.rows) for batch in batches)
     for batch in batches:
         frame, *rest = batch.words
         names = rest[0] if rest else ()

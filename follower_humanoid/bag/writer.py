@@ -10,7 +10,7 @@ import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from mcap.writer import CompressionType, Writer
 
@@ -95,7 +95,10 @@ class BagWriter:
         self.folder = folder
         self.file = folder / f"{folder.name}_0.mcap"
         self._stream = self.file.open("xb")
-        self._writer: Any = Writer(self._stream, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
+        # The library's writer is only half annotated.
+        self._writer = cast(
+            Any, Writer(self._stream, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
+        )
         self._writer.start(profile="ros2", library=LIBRARY)
         if about.urdf:
             self._attach(URDF_ATTACHMENT, "application/xml", about.urdf, created)
@@ -138,7 +141,7 @@ class BagWriter:
         metadata = {"offered_qos_profiles": plain_yaml(qos), "topic_type_hash": described.type_hash}
         channel = self._writer.register_channel(topic, "cdr", self._schemas[type_name], metadata)
         self._channels[channel] = _Channel(topic, type_name, qos)
-        return channel
+        return int(channel)
 
     def write(self, channel: int, data: bytes, received: int, published: int) -> None:
         """One serialized message.
