@@ -1,0 +1,159 @@
+"""Samples to bytes and back, bit for bit.
+
+Our own messages are equal outside their numbers and stamp, so the numbers are copied at known
+offsets without ever building a message object. Bytes that differ anywhere else come from another
+publisher (other order of names, other frame): those are deserialised and checked.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Hashable
+from typing import Any
+
+import numpy as np
+from rclpy.serialization import deserialize_message
+
+from follower_humanoid.core.samples import Array
+from follower_humanoid.core.topics import TOPICS
+from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.ros.cdr import HEADER, CdrWriter, Slot
+from follower_humanoid.ros.formats import format_of
+from follower_humanoid.ros.layouts import Format
+from follower_humanoid.ros.validation import MessageError, finite
+
+NANOSECONDS = 1_000_000_000
+_STAMP = struct.Struct("<iI")
+_BIG_STAMP = struct.Struct(">iI")
+_STAMP_OFFSET = len(HEADER)
+_LARGEST_CACHE = 64
+
+
+def stamp_of(data: bytes) -> int:
+    """Time [ns] at the head of any serialised message that begins with a stamp; −1 if it is cut short."""
+    if len(data) < _STAMP_OFFSET + _STAMP.size:
+        return -1
+    seconds, nanoseconds = (_STAMP if data[1] & 1 else _BIG_STAMP).unpack_from(data, _STAMP_OFFSET)
+    return int(seconds) * NANOSECONDS + int(nanoseconds)
+
+
+def clock_bytes(stamp: int) -> bytes:
+    """A serialised rosgraph_msgs/Clock; `stamp` in [ns]."""
+    return HEADER + _STAMP.pack(*divmod(stamp, NANOSECONDS))
+
+
+class _Layout:
+    """One template and where its numbers lie."""
+
+    def __init__(self, form: Format, shape: Hashable) -> None:
+        message, blocks = form.template(shape)
+        writer = CdrWriter(message)
+        self.data = bytearray(writer.data)
+        self._stamps = [
+            slot.offset for path, slot in writer.slots.items() if path.endswith("header.stamp.sec")
+        ]
+        self.slots = [
+            Slot(writer.slots[path].offset, writer.slots[path].code, count) for path, count in blocks
+        ]
+        self._views = [
+            np.frombuffer(self.data, np.dtype("<" + slot.code), slot.count, slot.offset)
+            for slot in self.slots
+        ]
+        self._fixed = self._fixed_parts()
+        if form.fast_reading:
+            self._span_offset = self.slots[0].offset
+            first = self._span_offset
+            self._within_span = [
+                ((slot.offset - first) // 8, (slot.end - first) // 8) for slot in self.slots
+            ]
+            self._span = self._within_span[-1][1]
+
+    def _fixed_parts(self) -> list[tuple[int, int, bytes]]:
+        """What must be equal in every message of this layout: all but stamps and numbers."""
+        taken = [(offset, offset + _STAMP.size) for offset in self._stamps]
+        taken += [(slot.offset, slot.end) for slot in self.slots]
+        parts, at = [], 0
+        for begin, end in [*sorted(taken), (len(self.data), len(self.data))]:
+            if begin > at:
+                parts.append((at, begin, bytes(self.data[at:begin])))
+            at = end
+        return parts
+
+    def fill(self, numbers: tuple[Any, ...], stamp: int) -> bytes:
+        """The message with these numbers and this stamp [ns]."""
+        for view, values in zip(self._views, numbers, strict=True):
+            view[:] = values
+        seconds, nanoseconds = divmod(stamp, NANOSECONDS)
+        for offset in self._stamps:
+            _STAMP.pack_into(self.data, offset, seconds, nanoseconds)
+        return bytes(self.data)
+
+    def blocks(self, topic: str, data: bytes) -> list[Array]:
+        """The numbers in a message that fits, block by block.
+
+        Raises:
+            MessageError: A number is not finite.
+        """
+        # From the first block to the last in one go: cheaper than one by one, and what lies between
+        # (lengths, covariances of ours) reads as finite numbers too. Copied, because the bytes are
+        # read-only and not aligned to 8.
+        span = np.frombuffer(data, np.float64, self._span, self._span_offset).copy()
+        if not math.isfinite(span.dot(span)):
+            for begin, end in self._within_span:
+                finite(topic, span[begin:end])
+        return [span[begin:end] for begin, end in self._within_span]
+
+    def fits(self, data: bytes) -> bool:
+        """Whether a message differs from this one in stamp and numbers only."""
+        if len(data) != len(self.data):
+            return False
+        return all(data[begin:end] == part for begin, end, part in self._fixed)
+
+
+class Codec:
+    """Encodes and decodes one topic.
+
+    Attributes:
+        topic: Name of the topic.
+        message_type: ROS message class.
+    """
+
+    def __init__(self, topic: str, robot: RobotModel) -> None:
+        """Args: relative name of the topic and the robot whose joints it may list."""
+        self.topic = topic
+        self._format = format_of(TOPICS[topic], robot)
+        self.message_type = self._format.message_type
+        self._layouts: dict[Hashable, _Layout] = {}
+        self._read_layout = self._layout(None) if self._format.fast_reading else None
+
+    def _layout(self, shape: Hashable) -> _Layout:
+        layout = self._layouts.get(shape)
+        if layout is None:
+            if len(self._layouts) >= _LARGEST_CACHE:
+                self._layouts.clear()
+            layout = self._layouts[shape] = _Layout(self._format, shape)
+        return layout
+
+    def encode(self, sample: Any, stamp: int) -> bytes:
+        """The serialised message; `stamp` in [ns]."""
+        layout = self._layout(self._format.shape(sample))
+        return layout.fill(self._format.numbers(sample), stamp)
+
+    def decode(self, data: bytes) -> Any:
+        """The sample in a serialised message.
+
+        Raises:
+            MessageError: The message cannot be used.
+        """
+        layout = self._read_layout
+        if layout is None or not layout.fits(data):
+            return self._read(data)
+        return self._format.sample(layout.blocks(self.topic, data), None)
+
+    def _read(self, data: bytes) -> Any:
+        try:
+            message = deserialize_message(data, self.message_type)
+        except Exception as error:  # rclpy raises no narrower type than RMWError, and not always that
+            raise MessageError(self.topic, f"not a {self.message_type.__name__}: {error}") from None
+        return self._format.read(message)
