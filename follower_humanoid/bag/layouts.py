@@ -9,9 +9,10 @@ import numpy as np
 
 from follower_humanoid.bag.cdr import Cursor, Walk
 from follower_humanoid.core import samples
-from follower_humanoid.core.samples import Footstep, Footsteps, Polygon, PrimitiveStates, Side
+from follower_humanoid.core.samples import Array, Footstep, Footsteps, Polygon, PrimitiveStates, Side
 
 Words = tuple[tuple[str, ...], ...]
+CLOSING_STEP = "closing step"
 
 
 def _joint_state(cursor: Cursor) -> Words:
@@ -105,7 +106,7 @@ def _marker(cursor: Cursor) -> tuple[int, Footstep | None]:
     position = cursor.doubles("position", 3)
     quat_xyzw = cursor.doubles("quat_xyzw", 4)
     cursor.skip(3, 8)  # scale
-    cursor.skip(4, 4)  # colour
+    opacity = float(cursor.floats(4)[3])
     cursor.skip(2, 4)  # lifetime
     cursor.skip(1)  # frame_locked
     cursor.skip(3 * cursor.length(), 8)  # points
@@ -122,20 +123,16 @@ def _marker(cursor: Cursor) -> tuple[int, Footstep | None]:
     cursor.skip(1)  # mesh_use_embedded_materials
     if action != 0:
         return stamp, None
-    return stamp, footstep_of(namespace, text, position, quat_xyzw)
+    return stamp, _footstep(namespace, text, position, quat_xyzw, opacity)
 
 
-def footstep_of(
-    namespace: str, text: str, position: samples.Array, quat_xyzw: samples.Array
-) -> Footstep | None:
-    """A footstep from its marker; None for a marker that is none."""
-    words = f"{namespace} {text}".split()
-    side = next((side for side in Side if side.value in words), None)
-    if side is None:
+def _footstep(side: str, text: str, position: Array, quat_xyzw: Array, opacity: float) -> Footstep | None:
+    """The step that a marker shows: pale while it is planned, labelled where it only closes the feet."""
+    if side not in (Side.LEFT.value, Side.RIGHT.value):
         return None
     x, y, z, w = quat_xyzw
     yaw = float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
-    return Footstep(side, position, yaw, "taken" in words, "closing" not in words)
+    return Footstep(Side(side), position, yaw, taken=opacity > 0.5, counted=text != CLOSING_STEP)
 
 
 IRREGULAR: dict[type, Callable[[Cursor], tuple[int | None, Any]]] = {
