@@ -190,14 +190,15 @@ class MotionComposition:
         if plan.footsteps:
             shift, landing = shift_after(plan.landing), plan.footsteps[0]
             for foot in (landing, walker.feet[landing.side.other]):
-                reaches.append(self._reach(np.array([foot.x, foot.y, foot.z]), foot.side, shift))
+                reaches.append(self._planned_reach(foot, shift))
         if plan.lifting is not None:
-            foot = plan.lifting
-            shift = shift_after(plan.lift_off)
-            reach = self._reach(np.array([foot.x, foot.y, foot.z]), foot.side, shift)
-            trailing = reach.horizontal + self._config.pelvis.trailing
-            reaches.append(Reach(reach.ankle_height, trailing))
+            reaches.append(self._planned_reach(plan.lifting, shift_after(plan.lift_off)))
         self._pelvis.advance(self._pelvis.admissible(reaches), self._period)
+
+    def _planned_reach(self, foot: FootPose, shift: Array) -> Reach:
+        """The reach to a foot that will land or lift off, with something to spare."""
+        reach = self._reach(np.array([foot.x, foot.y, foot.z]), foot.side, shift)
+        return Reach(reach.ankle_height, reach.horizontal + self._config.pelvis.spare)
 
     def _reach(self, sole: Array, side: Side, shift: Array) -> Reach:
         """From the hip of the reference, moved over the ground by `shift`, to the ankle above a sole."""
