@@ -25,6 +25,7 @@ class Drives:
 
     Attributes:
         missed: Ticks without a usable command.
+        holding: True while commands are missing.
     """
 
     def __init__(self, config: HoldConfig, motors: MotorConfig, robot: RobotModel, joints: Indices) -> None:
@@ -35,7 +36,7 @@ class Drives:
         self._back_emf = np.where(toe, motor.toe_gear, motor.gear) * motor.back_emf_constant
         self._limit = motor.voltage_limit
         self.missed = 0
-        self._holding = False
+        self.holding = False
         size = len(joints)
         self._load, self._reference, self._voltage = np.zeros(size), np.zeros(size), np.zeros(size)
 
@@ -43,15 +44,15 @@ class Drives:
         """Takes the standing posture as the last reference, held by `voltage`; shapes (45,)."""
         self._reference = position[self.joints].copy()
         self._load = voltage[self.joints].copy()
-        self._holding = True
+        self.holding = True
 
     def receive(self, command: Joints | None) -> None:
         """Takes the command of a control tick; None or numbers that are not finite: none."""
         if command is None or not np.isfinite(command.effort.sum()):
             self.missed += 1
-            self._holding = True
+            self.holding = True
             return
-        self._holding = False
+        self.holding = False
         self._voltage = command.effort
         self._reference = command.position
         # What holds the load once the motion has ended: the voltage less its back-EMF share.
@@ -60,7 +61,7 @@ class Drives:
 
     def write(self, position: Array, velocity: Array, voltage: Array) -> None:
         """Writes this group's voltages of a physics step into `voltage`, shape (45,)."""
-        if not self._holding:
+        if not self.holding:
             voltage[self.joints] = self._voltage
             return
         error = self._reference - position[self.joints]

@@ -48,7 +48,7 @@ class FallWatch:
         if plant.rotation[2, 2] < math.cos(self.LARGEST_TILT):
             tilt = math.degrees(math.acos(max(-1.0, float(plant.rotation[2, 2]))))
             return f"tilted by {tilt:.0f}°"
-        link = plant.world.link_on_ground(plant.body)
+        link = plant.world.link_on_ground(plant.bullet.body)
         if link is not None:
-            return f"{plant.link_names[link]} on the ground"
+            return f"{plant.bullet.link_names[link]} on the ground"
         return None

@@ -88,7 +88,8 @@ class Motors:
 
     def begin(self, voltage: Array) -> None:
         """Takes the voltages of this step, shape (45,) [V], clipped to the limit."""
-        np.clip(voltage, -self.voltage_limit, self.voltage_limit, out=self.voltage)
+        np.minimum(voltage, self.voltage_limit, out=self.voltage)
+        np.maximum(self.voltage, -self.voltage_limit, out=self.voltage)
         np.multiply(self.current, self._keep, out=self._open_current)
         self._open_current += self.voltage
         self._open_current *= self.current_per_volt

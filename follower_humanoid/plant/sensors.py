@@ -9,10 +9,11 @@ import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, Inertial, Joints, Odometry, Wrench
-from follower_humanoid.plant.robot_plant import RobotPlant
+from follower_humanoid.plant.robot_plant import Pull, RobotPlant
+from follower_humanoid.plant.spatial import cross
 from follower_humanoid.robot.model import BASE_DOF, GRAVITY
 
-_VECTOR = (0.0, 0.0, 0.0)
+_ZERO = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -26,12 +27,20 @@ class SensorConfig:
     foot_torque_noise: float = parameter(0.0, "foot moment noise", "N·m", 0.0, 1e3)
     wrist_force_noise: float = parameter(0.0, "wrist force noise", "N", 0.0, 1e3)
     wrist_torque_noise: float = parameter(0.0, "wrist moment noise", "N·m", 0.0, 1e3)
-    left_wrist_bias: tuple[float, float, float] = parameter(_VECTOR, "left wrist force bias", "N", -100.0, 100.0)
-    right_wrist_bias: tuple[float, float, float] = parameter(_VECTOR, "right wrist force bias", "N", -100.0, 100.0)
+    left_wrist_bias: tuple[float, float, float] = parameter(
+        _ZERO, "left wrist force bias", "N", -100.0, 100.0
+    )
+    right_wrist_bias: tuple[float, float, float] = parameter(
+        _ZERO, "right wrist force bias", "N", -100.0, 100.0
+    )
     gyro_noise: float = parameter(0.0, "gyroscope noise", "rad/s", 0.0, 10.0)
-    gyro_bias: tuple[float, float, float] = parameter(_VECTOR, "gyroscope bias", "rad/s", -1.0, 1.0)
+    gyro_bias: tuple[float, float, float] = parameter(
+        _ZERO, "gyroscope bias", "rad/s", -1.0, 1.0
+    )
     accelerometer_noise: float = parameter(0.0, "accelerometer noise", "m/s²", 0.0, 100.0)
-    accelerometer_bias: tuple[float, float, float] = parameter(_VECTOR, "accelerometer bias", "m/s²", -10.0, 10.0)
+    accelerometer_bias: tuple[float, float, float] = parameter(
+        _ZERO, "accelerometer bias", "m/s²", -10.0, 10.0
+    )
     odometry_position_noise: float = parameter(0.0, "base position noise", "m", 0.0, 1.0)
     odometry_velocity_noise: float = parameter(0.0, "base velocity noise", "m/s", 0.0, 1.0)
 
@@ -57,17 +66,21 @@ class Sensors:
         self._config, self._plant = config, plant
         self._random = np.random.default_rng(config.seed)
         self._data = plant.model.createData()
-        self._soles = [plant.robot.frame_id(f"{side.prefix}_sole") for side in SIDES]
-        wrists = [plant.robot.frame_id(f"{side.prefix}_wrist") for side in SIDES]
-        self._wrist_joints = [int(plant.model.frames[frame].parentJoint) for frame in wrists]
+        self._soles = [plant.model.frames[plant.robot.frame_id(f"{side.prefix}_sole")] for side in SIDES]
+        wrists = [plant.model.frames[plant.robot.frame_id(f"{side.prefix}_wrist")] for side in SIDES]
+        self._wrist_joints = [int(frame.parentJoint) for frame in wrists]
         # Sensor axes in the frame of the last wrist joint: the same, unless a URDF says otherwise.
-        self._wrist_places = [plant.model.frames[frame].placement for frame in wrists]
-        self._feet = np.zeros((2, 6))
-        self._wrists = np.zeros((2, 6))
+        self._wrist_places = [frame.placement for frame in wrists]
+        # Views of Pinocchio's memory: they follow its algorithms.
+        self._wrist_forces = [self._data.f[joint].vector for joint in self._wrist_joints]
+        self._feet, self._wrists = np.zeros((2, 6)), np.zeros((2, 6))
         self._specific_force = np.zeros(3)
         self._count = 0
-        self._acceleration = np.zeros(plant.model.nv)
-        self._q, self._v = plant.q.copy(), plant.v.copy()
+        self._q, self._v, self._rotation = plant.q.copy(), plant.v.copy(), plant.rotation
+        self._biases = {
+            name: np.array(getattr(config, name))
+            for name in ("left_wrist_bias", "right_wrist_bias", "gyro_bias", "accelerometer_bias")
+        }
 
     def clear(self) -> None:
         """Starts a control tick."""
@@ -80,69 +93,42 @@ class Sensors:
         """Remembers the state at which the forces of the coming physics step act."""
         self._q[:] = self._plant.q
         self._v[:] = self._plant.v
+        self._rotation = self._plant.rotation
 
-    def after_step(self, hands: tuple[tuple[Array, Array], tuple[Array, Array]], rotation: Array) -> None:
-        """Adds one physics step.
-
-        Args:
-            hands: Force [N] and moment about the gripper [N·m] that acted, in world, left and right.
-            rotation: Base to world at the step's start.
-        """
+    def after_step(self, pulls: tuple[Pull, ...] = ()) -> None:
+        """Adds one physics step and what people did in it."""
         plant = self._plant
-        for row, sole in zip(self._feet, plant.soles, strict=True):
-            if sole.touching:
-                row += sole.wrench_about_origin()
+        if plant.soles.touching:
+            self._feet += plant.soles.wrenches_about_origin()
         lifted = plant.base_acceleration.copy()
         lifted[2] += GRAVITY
-        self._specific_force += lifted @ rotation
+        self._specific_force += lifted @ self._rotation
+        # Force through the wrist joint = inertia and weight of the hand less what acts on it.
         pin.rnea(plant.model, self._data, self._q, self._v, plant.acceleration)
-        for row, joint, (force, torque), frame in zip(
-            self._wrists, self._wrist_joints, hands, ("l_gripper", "r_gripper"), strict=True
-        ):
-            row -= self._data.f[joint].vector
-            if force.any() or torque.any():
-                turn = self._data.oMi[joint].rotation
-                arm = plant.gripper_arm(frame)
-                local = force @ turn
-                row[:3] += local
-                row[3:] += torque @ turn + np.cross(arm, local)
+        for row, force in zip(self._wrists, self._wrist_forces, strict=True):
+            row -= force
+        for pull in pulls:
+            frame = plant.model.frames[pull.frame]
+            if frame.parentJoint in self._wrist_joints:
+                turn = self._data.oMi[frame.parentJoint].rotation
+                force = pull.force @ turn
+                row = self._wrists[self._wrist_joints.index(frame.parentJoint)]
+                row[:3] += force
+                row[3:] += pull.torque @ turn + cross(frame.placement.translation, force)
         self._count += 1
 
     def at_rest(self) -> None:
-        """Readings of static equilibrium, before the first step."""
+        """Gathers static equilibrium, for the readings before the first step."""
         self.clear()
         self.before_step()
-        zero = (np.zeros(3), np.zeros(3))
-        self.after_step((zero, zero), self._plant.rotation)
+        self.after_step()
 
     def read(self) -> Readings:
         """Every sensor at the current tick."""
         plant, config = self._plant, self._config
-        pin.framesForwardKinematics(plant.model, self._data, plant.q)
-        share = 1.0 / self._count
-        feet = []
-        for sole, total in zip(self._soles, self._feet, strict=True):
-            pose = self._data.oMf[sole]
-            force, moment = total[:3] * share, total[3:] * share
-            moment = moment - np.cross(pose.translation, force)
-            feet.append(
-                Wrench(
-                    self._noisy(force @ pose.rotation, config.foot_force_noise),
-                    self._noisy(moment @ pose.rotation, config.foot_torque_noise),
-                )
-            )
-        wrists = []
-        for total, place, bias in zip(
-            self._wrists, self._wrist_places, (config.left_wrist_bias, config.right_wrist_bias), strict=True
-        ):
-            wrench = place.actInv(pin.Force(total * share))
-            wrists.append(
-                Wrench(
-                    self._noisy(wrench.linear + np.array(bias), config.wrist_force_noise),
-                    self._noisy(wrench.angular, config.wrist_torque_noise),
-                )
-            )
         quat, spin = plant.q[3:7].copy(), plant.v[3:6]
+        specific_force = self._specific_force / self._count
+        left_foot, right_foot = self._read_feet()
         return Readings(
             joints=Joints(
                 self._noisy(plant.q[7:], config.position_noise),
@@ -157,16 +143,42 @@ class Sensors:
             ),
             imu=Inertial(
                 quat,
-                self._noisy(spin + np.array(config.gyro_bias), config.gyro_noise),
-                self._noisy(
-                    self._specific_force * share + np.array(config.accelerometer_bias), config.accelerometer_noise
-                ),
+                self._noisy(spin + self._biases["gyro_bias"], config.gyro_noise),
+                self._noisy(specific_force + self._biases["accelerometer_bias"], config.accelerometer_noise),
             ),
-            left_foot=feet[0], right_foot=feet[1], left_wrist=wrists[0], right_wrist=wrists[1],
-        )  # fmt: skip
+            left_foot=left_foot,
+            right_foot=right_foot,
+            left_wrist=self._read_wrist(0, self._biases["left_wrist_bias"]),
+            right_wrist=self._read_wrist(1, self._biases["right_wrist_bias"]),
+        )
+
+    def _read_feet(self) -> list[Wrench]:
+        """Mean wrench of the tick in world, expressed at and in the sole frame of its end.
+
+        So force and moment balance the change of momentum over the tick exactly.
+        """
+        pin.forwardKinematics(self._plant.model, self._data, self._plant.q)
+        feet = []
+        for frame, total in zip(self._soles, self._feet / self._count, strict=True):
+            pose = self._data.oMi[frame.parentJoint] * frame.placement
+            rotation, force = pose.rotation, total[:3]
+            moment = total[3:] - cross(pose.translation, force)
+            feet.append(
+                Wrench(
+                    self._noisy(force @ rotation, self._config.foot_force_noise),
+                    self._noisy(moment @ rotation, self._config.foot_torque_noise),
+                )
+            )
+        return feet
+
+    def _read_wrist(self, hand: int, bias: Array) -> Wrench:
+        wrench = self._wrist_places[hand].actInv(pin.Force(self._wrists[hand] / self._count))
+        return Wrench(
+            self._noisy(wrench.linear + bias, self._config.wrist_force_noise),
+            self._noisy(wrench.angular, self._config.wrist_torque_noise),
+        )
 
     def _noisy(self, value: Array, deviation: float) -> Array:
         if deviation == 0.0:
-            return value.copy()
-        noisy: Array = value + self._random.normal(0.0, deviation, value.shape)
-        return noisy
+            return np.array(value)
+        return np.asarray(value + self._random.normal(0.0, deviation, value.shape))

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import Array, Inertial, Joints, Odometry, Wrench
+from follower_humanoid.core.samples import Inertial, Joints, Odometry, Wrench
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.drives import Drives, HoldConfig
 from follower_humanoid.plant.falls import Fall, FallWatch
 from follower_humanoid.plant.motors import MotorConfig
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
-from follower_humanoid.plant.robot_plant import RobotPlant
+from follower_humanoid.plant.robot_plant import Pull, RobotPlant
 from follower_humanoid.plant.sensors import SensorConfig, Sensors
 from follower_humanoid.plant.soles import SoleConfig
 from follower_humanoid.plant.standing import StandingConfig
@@ -23,6 +23,7 @@ from follower_humanoid.robot.model import RobotModel
 
 # Where the wrenches of `leader_left`, `leader_right` and `push` act.
 PULLED = ("l_gripper", "r_gripper", "base_link")
+WORLD_NAMES = ("", "world")
 
 
 @dataclass(frozen=True)
@@ -30,14 +31,14 @@ class SimulatorConfig:
     """Everything that only the plant knows."""
 
     physics_step: float = parameter(0.001, "physics step; control ticks are whole multiples", "s", 1e-5, 0.01)
-    ground: GroundConfig = GroundConfig()
-    soles: SoleConfig = SoleConfig()
-    motors: MotorConfig = MotorConfig()
-    stops: StopConfig = StopConfig()
-    standing: StandingConfig = StandingConfig()
-    body: BodyErrorConfig = BodyErrorConfig()
-    sensors: SensorConfig = SensorConfig()
-    hold: HoldConfig = HoldConfig()
+    ground: GroundConfig = field(default_factory=GroundConfig)
+    soles: SoleConfig = field(default_factory=SoleConfig)
+    motors: MotorConfig = field(default_factory=MotorConfig)
+    stops: StopConfig = field(default_factory=StopConfig)
+    standing: StandingConfig = field(default_factory=StandingConfig)
+    body: BodyErrorConfig = field(default_factory=BodyErrorConfig)
+    sensors: SensorConfig = field(default_factory=SensorConfig)
+    hold: HoldConfig = field(default_factory=HoldConfig)
 
 
 @dataclass(frozen=True)
@@ -119,12 +120,11 @@ class Simulator:
             self.world, robot, config.motors, config.soles, config.stops, config.standing, config.body
         )
         self._sensors = Sensors(config.sensors, self.plant)
-        self._drives = [
-            Drives(config.hold, config.motors, robot, group) for group in (robot.groups.legs, robot.groups.arms)
-        ]
+        groups = (robot.groups.legs, robot.groups.arms)
+        self._drives = [Drives(config.hold, config.motors, robot, group) for group in groups]
         self._falls = FallWatch(float(self.plant.q[2]))
         self._voltage = np.zeros(len(robot.joint_names))
-        self._frames = {frame.name: index for index, frame in enumerate(robot.pin_model.frames)}
+        self._pulled = [robot.frame_id(name) for name in PULLED]
         self.tick = 0
         self.time = 0.0
         self.fall: Fall | None = None
@@ -151,7 +151,7 @@ class Simulator:
 
     def knows_frame(self, name: str) -> bool:
         """True for a name that a wrench's `frame` may have."""
-        return name in ("", "world") or name in self._frames
+        return name in WORLD_NAMES or bool(self._robot.pin_model.existFrame(name))
 
     def observe(self) -> SimulatorOutputs:
         """The state of the current tick."""
@@ -167,30 +167,20 @@ class Simulator:
         plant, sensors = self.plant, self._sensors
         for drives, command in zip(self._drives, (inputs.legs, inputs.arms), strict=True):
             drives.receive(command)
-        pulls = [
-            (index, name, wrench, self._axes(wrench))
-            for index, (name, wrench) in enumerate(
-                zip(PULLED, (inputs.leader_left, inputs.leader_right, inputs.push), strict=True)
-            )
-            if wrench is not None and (wrench.force.any() or wrench.torque.any())
-        ]
+            drives.write(plant.q[7:], plant.v[6:], self._voltage)
+        grips = self._grips(inputs)
+        pulls: tuple[Pull, ...] = ()
         self._applied.fill(0.0)
         sensors.clear()
-        for _ in range(self._steps):
-            hands = [(np.zeros(3), np.zeros(3)) for _ in PULLED]
-            for index, name, wrench, frame in pulls:
-                turn = self._rotation(frame)
-                force, torque = turn @ wrench.force, turn @ wrench.torque
-                plant.pull(name, force, torque)
-                hands[index] = (force, torque)
-                self._applied[index, :3] += force
-                self._applied[index, 3:] += torque
+        for step in range(self._steps):
             for drives in self._drives:
-                drives.write(plant.q[7:], plant.v[6:], self._voltage)
+                if step > 0 and drives.holding:
+                    drives.write(plant.q[7:], plant.v[6:], self._voltage)
+            if grips:
+                pulls = tuple(self._pull(*grip) for grip in grips)
             sensors.before_step()
-            rotation = plant.rotation
-            plant.step(self._voltage)
-            sensors.after_step((hands[0], hands[1]), rotation)
+            plant.step(self._voltage, pulls)
+            sensors.after_step(pulls)
         self._applied /= self._steps
         self.tick += 1
         self.time = self.tick * self._period
@@ -203,16 +193,24 @@ class Simulator:
         """Ends the physics server."""
         self.world.close()
 
-    def _axes(self, wrench: Wrench) -> int:
-        """Pinocchio frame whose axes a wrench is in; −1 for world."""
-        if wrench.frame in ("", "world"):
-            return -1
-        return self._robot.frame_id(wrench.frame)
+    def _grips(self, inputs: SimulatorInputs) -> list[tuple[int, Wrench, int]]:
+        """Index into `PULLED`, wrench and frame of its axes (−1: world) of all that is not zero."""
+        wrenches = (inputs.leader_left, inputs.leader_right, inputs.push)
+        return [
+            (index, wrench, -1 if wrench.frame in WORLD_NAMES else self._robot.frame_id(wrench.frame))
+            for index, wrench in enumerate(wrenches)
+            if wrench is not None and (wrench.force.any() or wrench.torque.any())
+        ]
 
-    def _rotation(self, frame: int) -> Array:
-        if frame < 0:
-            return np.eye(3)
-        return self.plant.frame_rotation(frame)
+    def _pull(self, index: int, wrench: Wrench, axes: int) -> Pull:
+        """The wrench in world axes at this physics step, noted as applied."""
+        force, torque = wrench.force, wrench.torque
+        if axes >= 0:
+            turn = self.plant.frame_rotation(axes)
+            force, torque = turn @ force, turn @ torque
+        self._applied[index, :3] += force
+        self._applied[index, 3:] += torque
+        return Pull(self._pulled[index], force, torque)
 
     def _read(self) -> SimulatorOutputs:
         readings = self._sensors.read()

@@ -1,4 +1,4 @@
-"""The six-point Kelvin–Voigt sole: Savić et al. 2016, eq. (11), with stick/slip friction.
+"""The six-point Kelvin–Voigt soles: Savić et al. 2016, eq. (11), with stick/slip friction.
 
 Per point below ground, with x position, x_a anchor (set at touch-down), all at the step's end:
 
@@ -16,11 +16,15 @@ from typing import Any
 import numpy as np
 
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import Array, Side
+from follower_humanoid.core.samples import SIDES, Array
+from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.world import Ground
 from follower_humanoid.robot.model import BASE_DOF, RobotModel
 
-POINTS = 6
+PER_FOOT = 6
+POINTS = 2 * PER_FOOT
+# How far slipping points may be from the cone (share, and [N]) before a step is solved again.
+CONE_SHARE, CONE_FORCE = 1e-3, 1e-6
 
 
 @dataclass(frozen=True)
@@ -31,141 +35,155 @@ class SoleConfig:
     damping: float = parameter(1.0e3, "damping of one contact point", "N·s/m", 0.0, 1e5)
 
 
-class Sole:
-    """The contact points of one foot: four on the foot, two on the toe link.
+class Soles:
+    """The contact points of both feet, left then right: four on each foot, two on its toe link.
 
     Attributes:
-        points: Contact points in world, shape (6, 3) [m].
-        force: Ground on foot at each point in the last step, in world, shape (6, 3) [N].
+        points: Contact points in world, shape (12, 3) [m].
+        force: Ground on foot at each point in the last step, in world, shape (12, 3) [N].
         touching: True while any point is below ground.
-        joints: Pinocchio joint that carries each point, shape (6,).
+        joints: Pinocchio joint that carries each point, 12 ids.
     """
 
-    def __init__(self, config: SoleConfig, robot: RobotModel, side: Side, ground: Ground, step: float) -> None:
-        """A foot in the air; `step` is the physics step [s]."""
+    def __init__(self, config: SoleConfig, robot: RobotModel, data: Any, ground: Ground, step: float) -> None:
+        """Feet in the air.
+
+        Args:
+            config: Spring and damper.
+            robot: Frames and joint groups.
+            data: The plant's Pinocchio data, whose joint poses are followed.
+            ground: What they stand on.
+            step: Physics step [s].
+        """
         self._k, self._d, self._step = config.stiffness, config.damping, step
         self._c = step * step * config.stiffness + step * config.damping
         self._ground = ground
-        frames = [robot.pin_model.frames[robot.frame_id(f"{side.prefix}_contact_{n}")] for n in range(1, 7)]
-        self.joints = np.array([frame.parentJoint for frame in frames])
+        names = [f"{side.prefix}_contact_{n}" for side in SIDES for n in range(1, PER_FOOT + 1)]
+        frames = [robot.pin_model.frames[robot.frame_id(name)] for name in names]
+        self.joints = [int(frame.parentJoint) for frame in frames]
         local = np.array([frame.placement.translation for frame in frames])
-        self._bodies = [
-            (int(joint), np.flatnonzero(self.joints == joint), local[self.joints == joint])
-            for joint in dict.fromkeys(self.joints)
-        ]
-        leg = robot.groups.leg(side)
-        # A leg is a chain without branches: its columns lie side by side.
-        self._leg = slice(BASE_DOF + int(leg[0]), BASE_DOF + int(leg[-1]) + 1)
-        size = BASE_DOF + len(leg)
-        supports = [set(robot.pin_model.supports[int(joint)]) for joint in self.joints]
-        self._carries = np.ones((3 * POINTS, size))
-        for column, joint in enumerate(leg):
-            for point, support in enumerate(supports):
-                if int(joint) + 2 not in support:
-                    self._carries[3 * point : 3 * point + 3, BASE_DOF + column] = 0.0
-        self._upper = np.triu(np.ones((size, size)))
-        self._columns = np.zeros((6, size))
-        self._velocity = np.zeros(size)
+        self._bodies = []
+        for joint in dict.fromkeys(self.joints):
+            rows = np.flatnonzero(np.array(self.joints) == joint)
+            pose = data.oMi[joint]
+            # Views of Pinocchio's memory: they follow the kinematics.
+            span = slice(rows[0], rows[-1] + 1)
+            self._bodies.append((span, local[rows], pose.rotation.T, pose.translation))
+        self._size = self._leg_columns(robot)
+        self._carries = self._carried_by(robot)
+        self._upper = np.triu(np.ones((self._size, self._size)))
         self._twist_to_points = np.tile(np.hstack((np.eye(3), np.zeros((3, 3)))), (POINTS, 1))
+        self._jacobian = np.zeros((3 * POINTS, self._size))
+        self._axes = np.zeros((POINTS, 3))
+        self._slip_force = np.zeros((POINTS, 2))
         self.points = np.zeros((POINTS, 3))
         self.force = np.zeros((POINTS, 3))
         self.touching = False
         self._below = np.zeros(POINTS, dtype=bool)
         self._anchor = np.zeros((POINTS, 3))
 
-    def locate(self, data: Any) -> Array:
-        """Moves the points to the poses in Pinocchio's `data`; returns them, shape (6, 3) [m]."""
-        for joint, rows, local in self._bodies:
-            pose = data.oMi[joint]
-            self.points[rows] = local @ pose.rotation.T + pose.translation
-        return self.points
+    def _leg_columns(self, robot: RobotModel) -> int:
+        """Columns that move the feet: base and legs, which come first in the model."""
+        legs = np.concatenate([robot.groups.leg(side) for side in SIDES])
+        if not np.array_equal(np.sort(legs), np.arange(len(legs))):
+            raise ConfigurationError(f"URDF: the legs must be the first joints of {robot.joint_names}")
+        return BASE_DOF + len(legs)
 
-    def settle(self, data: Any, normal: Array) -> None:
+    def _carried_by(self, robot: RobotModel) -> Array:
+        """1 where a column moves a point, else 0, shape (36, columns)."""
+        carries = np.zeros((POINTS, self._size))
+        carries[:, :BASE_DOF] = 1.0
+        for point, joint in enumerate(self.joints):
+            for support in robot.pin_model.supports[joint]:
+                if support > 1:  # 0 is the universe, 1 the free-flyer
+                    carries[point, BASE_DOF + support - 2] = 1.0
+        return np.repeat(carries, 3, axis=0)
+
+    def _locate(self) -> None:
+        for rows, local, turn, place in self._bodies:
+            points = self.points[rows]
+            np.matmul(local, turn, out=points)
+            points += place
+
+    def settle(self, normal: Array) -> None:
         """Static contact without friction force: anchors the points where they are.
 
         Args:
-            data: Pinocchio data at the current configuration.
-            normal: Vertical force that each point carries, shape (6,) [N].
+            normal: Vertical force that each point carries, shape (12,) [N].
         """
-        self.locate(data)
+        self._locate()
         self._below = self._ground.depth(self.points) > 0.0
         self._anchor[:] = self.points
         self.force = np.column_stack((np.zeros((POINTS, 2)), normal))
+        self._turn_points()
         self.touching = bool(self._below.any())
 
-    def begin(self, data: Any, jacobian: Array, velocity: Array) -> bool:
+    def begin(self, jacobian: Array, velocity: Array) -> bool:
         """Finds the touching points and their trial forces; True if there are any.
 
         Args:
-            data: Pinocchio data at the current configuration.
             jacobian: World-frame joint Jacobian, shape (6, 51).
             velocity: Shape (51,).
         """
-        depth = self._ground.depth(self.locate(data))
+        self._locate()
+        depth = self._ground.depth(self.points)
         below = depth > 0.0
-        self.touching = bool(below.any())
+        self.touching = bool(np.count_nonzero(below))
         if not self.touching:
-            self._below[:] = False
-            self.force.fill(0.0)
+            self._below = below
             return False
         landed = below & ~self._below
-        if landed.any():
+        if np.count_nonzero(landed):
             self._anchor[landed] = self.points[landed]
         self._below = below
-        self._point_jacobian(jacobian)
-        self._velocity[:BASE_DOF] = velocity[:BASE_DOF]
-        self._velocity[BASE_DOF:] = velocity[self._leg]
-        self._rate = (self._jacobian @ self._velocity).reshape(POINTS, 3)
+        self._turn_points()
+        np.matmul(self._twist_to_points, jacobian[:, : self._size], out=self._jacobian)
+        self._jacobian *= self._carries
+        self._rate = (self._jacobian @ velocity[: self._size]).reshape(POINTS, 3)
         stretch = self.points - self._anchor
-        stretch[:, 2] = -depth
-        self._trial = -self._k * stretch - (self._d + self._step * self._k) * self._rate
+        np.negative(depth, out=stretch[:, 2])
+        stretch *= self._k
+        self._trial = self._rate * -(self._d + self._step * self._k)
+        self._trial -= stretch
         normal = self._trial[:, 2]
         self._pressing = below & (normal > 0.0)
         cone = self._ground.friction * normal
-        pull = np.sqrt(self._trial[:, 0] ** 2 + self._trial[:, 1] ** 2)
-        self._sticking = self._pressing & (pull <= cone)
-        self._slip_force = np.zeros((POINTS, 2))
+        self._sticking = self._pressing & (_squares(self._trial) <= cone * cone)
         self._slip(self._trial, normal)
         return True
 
-    def _point_jacobian(self, jacobian: Array) -> None:
-        """Jacobian of the stacked points, shape (18, 13): v + ω × p from the world-frame columns."""
+    def _turn_points(self) -> None:
+        """Map from a twist at the world origin to point velocities, v + ω × p, shape (36, 6)."""
         x, y, z = self.points.T
         turn = self._twist_to_points
-        turn[0::3, 4], turn[0::3, 5] = z, -y
-        turn[1::3, 3], turn[1::3, 5] = -z, x
-        turn[2::3, 3], turn[2::3, 4] = y, -x
-        self._columns[:, :BASE_DOF] = jacobian[:, :BASE_DOF]
-        self._columns[:, BASE_DOF:] = jacobian[:, self._leg]
-        self._jacobian = turn @ self._columns
-        self._jacobian *= self._carries
+        turn[0::3, 4], turn[1::3, 5], turn[2::3, 3] = z, x, y
+        np.negative(y, out=turn[0::3, 5])
+        np.negative(z, out=turn[1::3, 3])
+        np.negative(x, out=turn[2::3, 4])
 
     def _slip(self, spring: Array, normal: Array) -> None:
-        """Friction of slipping points: μ f_n along the spring, shape (6, 3) and (6,)."""
-        slipping = self._pressing & ~self._sticking
-        if slipping.any():
-            pull = np.sqrt(spring[:, 0] ** 2 + spring[:, 1] ** 2)
-            factor = self._ground.friction * np.maximum(normal, 0.0)[slipping] / pull[slipping]
-            self._slip_force[slipping] = spring[slipping, :2] * factor[:, None]
+        """Friction of slipping points: μ f_n along the spring, shapes (12, 3) and (12,)."""
+        self._slipping = self._pressing & ~self._sticking
+        self._any_slipping = bool(np.count_nonzero(self._slipping))
+        if self._any_slipping:
+            spring = spring[self._slipping, :2]
+            limit = self._ground.friction * np.maximum(normal[self._slipping], 0.0)
+            pull = np.maximum(np.sqrt(_squares(spring)), 1e-12)
+            self._slip_force[self._slipping] = spring * (limit / pull)[:, None]
 
     def add_to(self, matrix: Array, right_side: Array) -> None:
         """Adds the implicit contact to the effective mass (upper triangle) and to the forces."""
-        axes = np.empty((POINTS, 3))
-        axes[:, :2] = self._sticking[:, None]
+        axes, size = self._axes, self._size
+        axes[:, 0] = axes[:, 1] = self._sticking
         axes[:, 2] = self._pressing
-        self._axes = axes
         self._start = self._trial * axes
-        slipping = self._pressing & ~self._sticking
-        if slipping.any():
-            self._start[slipping, :2] = self._slip_force[slipping]
-        block = self._jacobian.T @ (self._jacobian * (self._c * axes.reshape(-1, 1)))
+        if self._any_slipping:
+            self._start[self._slipping, :2] = self._slip_force[self._slipping]
+        self._gain = axes * self._c
+        block = self._jacobian.T @ (self._jacobian * self._gain.reshape(-1, 1))
         block *= self._upper
-        matrix[:BASE_DOF, :BASE_DOF] += block[:BASE_DOF, :BASE_DOF]
-        matrix[:BASE_DOF, self._leg] += block[:BASE_DOF, BASE_DOF:]
-        matrix[self._leg, self._leg] += block[BASE_DOF:, BASE_DOF:]
-        push = self._jacobian.T @ self._start.reshape(-1)
-        right_side[:BASE_DOF] += push[:BASE_DOF]
-        right_side[self._leg] += push[BASE_DOF:]
+        matrix[:size, :size] += block
+        right_side[:size] += self._start.reshape(-1) @ self._jacobian
 
     def finish(self, acceleration: Array) -> bool:
         """Forces of the solution; False if a point left its assumed state: solve again.
@@ -173,49 +191,59 @@ class Sole:
         Args:
             acceleration: Solution of the step, shape (51,).
         """
-        self._velocity[:BASE_DOF] = acceleration[:BASE_DOF]
-        self._velocity[BASE_DOF:] = acceleration[self._leg]
-        gain = (self._jacobian @ self._velocity).reshape(POINTS, 3)
-        spring = self._trial - self._c * gain
-        force = self._start - self._c * gain * self._axes
-        normal = force[:, 2]
-        pull = np.sqrt(force[:, 0] ** 2 + force[:, 1] ** 2)
-        cone = self._ground.friction * normal
-        lifting = self._pressing & (normal < 0.0)
-        breaking = self._sticking & (pull > cone * (1.0 + 1e-9))
-        sliding = self._pressing & ~self._sticking
-        drifted = sliding & (np.abs(pull - cone) > 1e-3 * cone + 1e-6)
-        settled = not (lifting.any() or breaking.any() or drifted.any())
-        if not settled:
-            self._pressing = self._pressing & ~lifting
-            self._sticking = self._sticking & ~lifting & ~breaking
-            self._slip(spring, normal)
-        # What is left of a violation when solving again did not settle it is clipped.
-        np.maximum(normal, 0.0, out=normal)
-        if not settled or sliding.any():
-            factor = np.where(pull > cone, np.maximum(cone, 0.0) / np.maximum(pull, 1e-12), 1.0)
-            force[:, :2] *= factor[:, None]
+        self._change = (self._jacobian @ acceleration[: self._size]).reshape(POINTS, 3)
+        force = self._start - self._gain * self._change
         self.force = force
-        if sliding.any():
-            # The anchor follows a slipping point so that the spring carries the clipped force.
-            end = self.points + self._step * (self._rate + self._step * gain)
-            self._next_anchor = end + force / self._k
-            self._moved = sliding
-        else:
-            self._moved = sliding
-        return settled
+        normal = force[:, 2]
+        cone = self._ground.friction * normal
+        wrong = (normal < 0.0) | (_squares(force) > cone * cone * (1.0 + 2.0 * CONE_SHARE) + CONE_FORCE)
+        if not self._any_slipping:
+            if not np.count_nonzero(wrong):
+                return True
+            self._reconsider(force)
+            return False
+        pull = np.sqrt(_squares(force))
+        limit = cone * (1.0 - CONE_SHARE) - CONE_FORCE
+        weak = self._slipping & (pull < limit)
+        if np.count_nonzero(wrong) + np.count_nonzero(weak):
+            self._reconsider(force)
+            return False
+        return True
+
+    def _reconsider(self, force: Array) -> None:
+        """Lets go of pulling points, lets points beyond the cone slip, renews the slip forces."""
+        normal = force[:, 2]
+        cone = self._ground.friction * normal
+        self._pressing = self._pressing & (normal >= 0.0)
+        self._sticking = self._sticking & self._pressing & (_squares(force) <= cone * cone)
+        self._slip(self._trial - self._c * self._change, normal)
 
     def commit(self) -> None:
-        """Ends the step: anchors of slipping points move on."""
-        if self._moved.any():
-            self._anchor[self._moved, :2] = self._next_anchor[self._moved, :2]
+        """Ends the step: clips what solving again left, lets the anchors of slipping points follow."""
+        force = self.force
+        if not self._any_slipping and not np.count_nonzero(force[:, 2] < 0.0):
+            return
+        np.maximum(force[:, 2], 0.0, out=force[:, 2])
+        limit = self._ground.friction * force[:, 2]
+        pull = np.sqrt(_squares(force))
+        beyond = pull > limit
+        force[beyond, :2] *= (limit[beyond] / pull[beyond])[:, None]
+        # The anchor goes where the spring carries the friction force.
+        end = self.points + self._step * (self._rate + self._step * self._change)
+        carried = end + force / self._k
+        self._anchor[self._slipping, :2] = carried[self._slipping, :2]
 
-    def wrench_about_origin(self) -> Array:
-        """Sum of the point forces and their moment about the world origin, shape (6,)."""
-        total = np.empty(6)
-        force, point = self.force, self.points
-        total[:3] = force.sum(axis=0)
-        total[3] = point[:, 1] @ force[:, 2] - point[:, 2] @ force[:, 1]
-        total[4] = point[:, 2] @ force[:, 0] - point[:, 0] @ force[:, 2]
-        total[5] = point[:, 0] @ force[:, 1] - point[:, 1] @ force[:, 0]
-        return total
+    def wrenches_about_origin(self) -> Array:
+        """Force and moment about the world origin, in world, of each foot: shape (2, 6)."""
+        wrenches = np.empty((len(SIDES), 6))
+        flat, rows = self.force.reshape(-1), 3 * PER_FOOT
+        np.matmul(flat[:rows], self._twist_to_points[:rows], out=wrenches[0])
+        np.matmul(flat[rows:], self._twist_to_points[rows:], out=wrenches[1])
+        return wrenches
+
+
+def _squares(force: Array) -> Array:
+    """Squared horizontal magnitude, shape (n, 2 or 3) → (n,)."""
+    x, y = force[:, 0], force[:, 1]
+    squares: Array = x * x + y * y
+    return squares

@@ -75,7 +75,8 @@ class _Stance:
             side_y = self.data.oMi[hip + 2].translation[1]
             rows += [np.array([0.0, side_y, -sink]) - pose.translation, pin.log3(wanted @ pose.rotation.T)]
         hip_height = float(np.mean([self.data.oMi[hip + 2].translation[2] for hip in self.hips]))
-        rows.append(np.array([self.config.com_ahead - center[0], -center[1], self.config.hip_height - hip_height]))
+        lower = self.config.hip_height - hip_height
+        rows.append(np.array([self.config.com_ahead - center[0], -center[1], lower]))
         return np.concatenate(rows)
 
     def jacobian(self, q: Array) -> Array:

@@ -1,5 +1,7 @@
 """Hard stops at the joint ranges: stiff unilateral spring-dampers, linearly implicit.
 
+Per stop:
+
     τ = −k (q⁺ − q_limit) − d q̇⁺,   q⁺ = q + h q̇⁺,   q̇⁺ = q̇ + h q̈,   never pulling.
 """
 
@@ -26,8 +28,8 @@ class Stops:
     """Both ends of every joint's range.
 
     Attributes:
-        torque: Torque of the stops in the last step, shape (45,) [N·m].
         active: True while any joint presses on a stop.
+        torque: Torque of the stops in the last step with `active`, shape (45,) [N·m].
     """
 
     def __init__(self, config: StopConfig, lower: Array, upper: Array, step: float) -> None:
@@ -45,8 +47,7 @@ class Stops:
         """Finds the joints that will press on a stop; True if there are any."""
         ahead = position + self._step * velocity
         beyond = (ahead < self._lower) | (ahead > self._upper)
-        self.active = bool(beyond.any())
-        self.torque.fill(0.0)
+        self.active = bool(np.count_nonzero(beyond))
         if self.active:
             joints = np.flatnonzero(beyond)
             low = ahead[joints] < self._lower[joints]
@@ -69,6 +70,7 @@ class Stops:
         """
         torque = self._trial - self._implicit * acceleration[self._joints]
         pushing = torque * self._sign >= 0.0
+        self.torque.fill(0.0)
         self.torque[self._joints] = np.where(pushing, torque, 0.0)
         if pushing.all():
             return True
