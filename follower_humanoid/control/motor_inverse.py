@@ -27,10 +27,10 @@ class MotorModel:
     """Nominal motor data of the controllers: one motor for all joints, two gears."""
 
     resistance: float = parameter(0.608, "terminal resistance R", "ohm", 0.01, 10.0)
-    torque_constant: float = parameter(0.0934, "torque per ampere C_m", "N·m/A", 0.001, 1.0)
-    back_emf: float = parameter(0.0934, "voltage per rotor speed C_e", "V·s/rad", 0.0, 1.0)
-    rotor_inertia: float = parameter(5.36e-5, "rotor inertia J_r", "kg·m²", 0.0, 0.01)
-    viscous: float = parameter(0.0, "viscous loss B at the rotor", "N·m·s/rad", 0.0, 0.01)
+    torque_constant: float = parameter(0.0934, "torque per ampere C_m", "N·m/A", 0.001, 1000.0)
+    back_emf: float = parameter(0.0934, "voltage per rotor speed C_e", "V·s/rad", 0.0, 1000.0)
+    rotor_inertia: float = parameter(5.36e-5, "rotor inertia J_r", "kg·m²", 0.0, 1000.0)
+    viscous: float = parameter(1.0e-5, "viscous loss B at the rotor", "N·m·s/rad", 0.0, 10.0)
     gear: float = parameter(50.0, "gear ratio N of all joints but the toes", "", 1.0, 500.0)
     gear_toe: float = parameter(20.0, "gear ratio N of the toe joints", "", 1.0, 500.0)
     voltage_limit: float = parameter(48.0, "largest voltage magnitude", "V", 1.0, 500.0)
