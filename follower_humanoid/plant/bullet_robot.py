@@ -77,6 +77,11 @@ class BulletRobot:
 
     def read(self) -> None:
         """Renews q, v, rotation and base velocity from PyBullet."""
+        # External forces are placed relative to link poses that Bullet leaves one step old; asking for
+        # forward kinematics of any link renews them all. Else a swinging hand feels N·mm out of nothing.
+        pybullet.getLinkState(
+            self.body, 0, computeForwardKinematics=True, physicsClientId=self._client
+        )
         position, quat = pybullet.getBasePositionAndOrientation(self.body, self._client)
         linear, spin = pybullet.getBaseVelocity(self.body, self._client)
         states = pybullet.getJointStates(self.body, self._joints, self._client)

@@ -131,6 +131,7 @@ class Soles:
         self.touching = bool(np.count_nonzero(below))
         if not self.touching:
             self._below = below
+            self.force = np.zeros((POINTS, 3))
             return False
         landed = below & ~self._below
         if np.count_nonzero(landed):
@@ -196,19 +197,14 @@ class Soles:
         self.force = force
         normal = force[:, 2]
         cone = self._ground.friction * normal
-        wrong = (normal < 0.0) | (_squares(force) > cone * cone * (1.0 + 2.0 * CONE_SHARE) + CONE_FORCE)
-        if not self._any_slipping:
-            if not np.count_nonzero(wrong):
-                return True
-            self._reconsider(force)
-            return False
-        pull = np.sqrt(_squares(force))
-        limit = cone * (1.0 - CONE_SHARE) - CONE_FORCE
-        weak = self._slipping & (pull < limit)
-        if np.count_nonzero(wrong) + np.count_nonzero(weak):
-            self._reconsider(force)
-            return False
-        return True
+        pulls = _squares(force)
+        wrong = (normal < 0.0) | (pulls > cone * cone * (1.0 + 2.0 * CONE_SHARE) + CONE_FORCE)
+        if self._any_slipping:
+            wrong |= self._slipping & (np.sqrt(pulls) < cone * (1.0 - CONE_SHARE) - CONE_FORCE)
+        if not np.count_nonzero(wrong):
+            return True
+        self._reconsider(force)
+        return False
 
     def _reconsider(self, force: Array) -> None:
         """Lets go of pulling points, lets points beyond the cone slip, renews the slip forces."""
