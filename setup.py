@@ -21,6 +21,7 @@ PYTHON_REQUIREMENTS = [
     "pybullet>=3.2.7",  # earlier ones double the torques of the wrist sensors
     "pyyaml",
     "scipy",
+    "zstandard",
 ]
 ROS_REQUIREMENTS = [
     "ros-jazzy-common-interfaces>=5.3.6",
