@@ -1,0 +1,105 @@
+"""The start barrier: tick 0 begins only when every publisher has found every subscriber it owes a message.
+
+Discovery takes a while, and a message sent before a reader was matched is lost: in a lock-stepped
+graph that is a deadlock. Each node checks its own publishers and then announces itself on
+`graph/ready`; the simulator starts when all have. It works in any order of starting.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy
+from std_msgs.msg import String
+
+from follower_humanoid.graph.wiring import NODES, SIMULATOR
+from follower_humanoid.ros.graph_config import RECORDER
+from follower_humanoid.ros.lockstep import CLOCK
+from follower_humanoid.ros.qos import LATCHED
+
+READY = "graph/ready"
+
+
+def expected_readers(topic: str, present: Collection[str]) -> frozenset[str]:
+    """Names of the nodes that must have found a publisher of `topic` before tick 0."""
+    readers = {
+        name
+        for name, node in NODES.items()
+        if topic in node.inputs.values() or (topic == CLOCK and not node.inputs)
+    }
+    return frozenset((readers | {RECORDER}) & set(present))
+
+
+class Barrier:
+    """Whether all messages of one node will arrive."""
+
+    def __init__(self, node: Node, present: Collection[str]) -> None:
+        """Args: whose publishers, and the nodes that run."""
+        self._node = node
+        self._present = present
+        self._publishers: list[tuple[Any, frozenset[str]]] = []
+        self._strangers: list[tuple[Any, str]] = []
+
+    def watch(self, publisher: Any, readers: Collection[str]) -> None:
+        """Adds a publisher and the nodes that must be able to hear it."""
+        self._publishers.append((publisher, frozenset(readers)))
+
+    def watch_stranger(self, subscription: Any, instead_of: str) -> None:
+        """Adds a subscription whose publisher is not one of this package's running nodes."""
+        self._strangers.append((subscription, instead_of))
+
+    def waiting_for(self) -> list[str]:
+        """What is still missing, one text each; empty when all is found."""
+        missing = []
+        for publisher, readers in self._publishers:
+            absent = self._absent_readers(publisher, readers)
+            if absent:
+                missing.append(f"{', '.join(absent)} to listen to {publisher.topic_name}")
+        for subscription, name in self._strangers:
+            if subscription.get_publisher_count() == 0:
+                missing.append(f"a publisher of {subscription.topic_name} ({name} was left out)")
+        return missing
+
+    def _absent_readers(self, publisher: Any, readers: frozenset[str]) -> list[str]:
+        # The count is of matched endpoints, which is what decides; the graph's list says whose
+        # they may be, so that somebody's `ros2 topic echo` is not taken for a controller.
+        if publisher.get_subscription_count() < len(readers):
+            return sorted(readers)
+        infos = self._node.get_subscriptions_info_by_topic(publisher.topic_name)
+        infos = [i for i in infos if i.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL]
+        namespace = self._node.get_namespace()
+        known = {info.node_name for info in infos if info.node_namespace == namespace}
+        if readers - known:
+            return sorted(readers - known)
+        return [] if publisher.get_subscription_count() >= len(infos) else sorted(readers)
+
+
+class Announcer:
+    """Says once that a node is ready."""
+
+    def __init__(self, node: Node) -> None:
+        """Args: the node that announces itself."""
+        self._publisher = node.create_publisher(String, READY, LATCHED)
+        self._name = node.get_name()
+
+    def announce(self) -> None:
+        """Tells everyone, also those who start later."""
+        self._publisher.publish(String(data=self._name))
+
+
+class RollCall:
+    """Who has announced itself; the simulator holds it."""
+
+    def __init__(self, node: Node, present: Collection[str]) -> None:
+        """Args: the node that listens, and the nodes that run."""
+        self._awaited = {name for name in present if name in NODES and name != SIMULATOR}
+        node.create_subscription(String, READY, self._heard, LATCHED)
+
+    def _heard(self, message: String) -> None:
+        self._awaited.discard(message.data)
+
+    def waiting_for(self) -> list[str]:
+        """Nodes that are not ready, sorted."""
+        return sorted(self._awaited)

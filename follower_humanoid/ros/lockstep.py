@@ -1,0 +1,191 @@
+"""Which messages a node waits for at each tick, free of ROS.
+
+A node steps at tick t once the message of exactly `used_tick(t, topic)` is there for every input:
+never the latest one, so a run is the same bit for bit however its nodes are placed and timed.
+An output that was not published at a tick is announced as absent and counts as a message.
+
+A topic whose own node was left out comes from a stranger. If the stranger keeps the grid of
+ticks it is waited for like any other; if not (a joystick, the command line), its newest message
+is held and nobody waits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+from follower_humanoid.graph.wiring import PRODUCER, NodeWiring, used_tick
+
+CLOCK = "clock"
+_FAR_AHEAD = 100  # ticks; no lock-stepped publisher runs that far ahead
+
+
+@dataclass
+class _Input:
+    """One input's samples, kept until no step can need them."""
+
+    topic: str
+    producer: str
+    period: int
+    patient: bool  # True where even a stranger is waited for: motor commands
+    foreign: bool
+    awaited: int | None = None
+    samples: dict[int, object] = field(default_factory=dict)
+    held: bool = False
+    newest: object = None
+
+    @property
+    def missing(self) -> bool:
+        return self.awaited is not None and not self.held and self.awaited not in self.samples
+
+    def value(self) -> object:
+        if self.held:
+            return self.newest
+        return None if self.awaited is None else self.samples[self.awaited]
+
+
+@dataclass(frozen=True)
+class Missing:
+    """A message that a node waits for."""
+
+    topic: str
+    tick: int
+    producer: str
+
+    def __str__(self) -> str:
+        return f"{self.topic} of tick {self.tick} from {self.producer}"
+
+
+class LockStep:
+    """The inputs of one node, tick by tick.
+
+    Attributes:
+        tick: The tick of the next step.
+        late: Messages that came when their tick was over or already there; a node that steps at every
+            tick has none.
+    """
+
+    def __init__(self, node: NodeWiring, present: Collection[str], topics: Collection[str] = ()) -> None:
+        """Starts at tick 0.
+
+        Args:
+            node: Whose inputs.
+            present: Nodes that run; what others would publish comes from strangers.
+            topics: The inputs to wait for; all of the node's if empty. A node without inputs is
+                paced by the clock.
+        """
+        self.tick = 0
+        self.late = 0
+        self._period = node.period
+        self._origin = 0
+        names = dict.fromkeys(topics or node.inputs.values())
+        self._inputs = {name: self._input(name, present) for name in names}
+        if not self._inputs:
+            self._inputs[CLOCK] = _Input(CLOCK, "simulator", 1, patient=True, foreign=False)
+        self._await()
+
+    @staticmethod
+    def _input(topic: str, present: Collection[str]) -> _Input:
+        producer = PRODUCER[topic]
+        return _Input(topic, producer.name, producer.period, producer.same_tick, producer.name not in present)
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """What is waited for."""
+        return tuple(self._inputs)
+
+    @property
+    def ready(self) -> bool:
+        """Whether the step of `tick` can be taken."""
+        return self._missing == 0
+
+    def missing(self) -> list[Missing]:
+        """What the step of `tick` still needs."""
+        return [
+            Missing(entry.topic, entry.awaited, entry.producer)
+            for entry in self._inputs.values()
+            if entry.missing and entry.awaited is not None
+        ]
+
+    def needs(self, topic: str, tick: int) -> bool:
+        """Whether a message can be used by this or a later step; false where it may be dropped unread."""
+        entry = self._inputs[topic]
+        return entry.foreign or entry.awaited is None or tick >= entry.awaited
+
+    def put(self, topic: str, tick: int | None, sample: object) -> bool:
+        """Takes a message in.
+
+        Args:
+            topic: Where it came.
+            tick: Its tick, None where the stamp is not on the grid of ticks.
+            sample: Its content; None for "not published at this tick".
+
+        Returns:
+            True where it made the step of `tick` possible.
+        """
+        entry = self._inputs[topic]
+        on_grid = tick is not None and tick % entry.period == 0
+        if entry.foreign and sample is not None:
+            floor = 0 if entry.awaited is None else entry.awaited
+            if entry.held or not on_grid or tick is None or not floor <= tick <= floor + _FAR_AHEAD:
+                return self._hold(entry, sample)
+        elif tick is None or not on_grid:
+            self.late += 1
+            return False
+        if tick in entry.samples or (entry.awaited is not None and tick < entry.awaited):
+            self.late += 1
+            return False
+        entry.samples[tick] = sample
+        if tick != entry.awaited:
+            return False
+        self._missing -= 1
+        return self._missing == 0
+
+    def take(self) -> dict[str, object]:
+        """The inputs of the step of `tick`; moves on to the next one."""
+        values = {topic: entry.value() for topic, entry in self._inputs.items()}
+        self.tick += self._period
+        self._await()
+        return values
+
+    def give_up(self) -> list[Missing]:
+        """Stops waiting for strangers who do not answer; motor commands are waited for all the same."""
+        given_up = []
+        for entry in self._inputs.values():
+            if entry.foreign and not entry.patient and entry.missing and entry.awaited is not None:
+                given_up.append(Missing(entry.topic, entry.awaited, entry.producer))
+                self._hold(entry, entry.newest)
+        return given_up
+
+    def restart(self, tick: int) -> None:
+        """Forgets everything from before a tick: what was computed earlier is absent from now on."""
+        self._origin = tick
+        self.tick = -(-tick // self._period) * self._period
+        for entry in self._inputs.values():
+            entry.newest = None
+        self._await()
+
+    def _hold(self, entry: _Input, sample: object) -> bool:
+        was_missing = entry.missing
+        entry.held, entry.newest = True, sample
+        entry.samples.clear()
+        if was_missing:
+            self._missing -= 1
+        return was_missing and self._missing == 0
+
+    def _await(self) -> None:
+        """Works out what the step of `tick` needs and forgets what no step needs any more."""
+        self._missing = 0
+        for topic, entry in self._inputs.items():
+            used = self.tick if topic == CLOCK else used_tick(self.tick, topic)
+            if used < self._origin:
+                entry.awaited = None
+                continue
+            if used != entry.awaited:
+                entry.awaited = used
+                samples = entry.samples
+                for old in sorted(t for t in samples if t < used):
+                    # The newest is kept for the case that a stranger falls silent.
+                    entry.newest = samples.pop(old)
+            if entry.missing:
+                self._missing += 1

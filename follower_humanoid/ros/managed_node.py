@@ -1,0 +1,180 @@
+"""What every node of the package has: lifecycle, self-start, shared parameters, diagnostics, exit status."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, cast
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.ros.codecs import NANOSECONDS
+from follower_humanoid.ros.graph_config import GraphConfig
+from follower_humanoid.ros.parameters import declare
+from follower_humanoid.ros.qos import DIAGNOSTICS
+
+BAD_CONFIGURATION = 2
+FAILED = 1
+_LAST_WORD = Duration(seconds=0, nanoseconds=300_000_000)
+
+
+class ManagedNode(LifecycleNode):
+    """A lifecycle node that starts itself unless a manager does.
+
+    Subclasses override `set_up`, `start`, `stop`, `tear_down` and `report`.
+
+    Attributes:
+        graph: Parameters shared by all nodes.
+        exit_status: None while the node runs; the process ends once it is set.
+        exit_reason: One line with the reason.
+    """
+
+    def __init__(self, name: str, **options: Any) -> None:
+        """Declares the shared parameters.
+
+        Raises:
+            ConfigurationError: A parameter value cannot be used.
+        """
+        super().__init__(name, **options)
+        self.graph: GraphConfig = declare(self, GraphConfig)
+        self.present = self.graph.present
+        self.tick_ns = round(self.graph.tick * NANOSECONDS)
+        self.exit_status: int | None = None
+        self.exit_reason = ""
+        self.running = False
+        self.rejected = 0
+        self.logger: Any = cast(Any, self).get_logger()
+        self._told: set[str] = set()
+        self._wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", DIAGNOSTICS)
+        self.create_timer(1.0, self._publish_diagnostics, clock=self._wall)
+        self._starter = self.create_timer(0.0, self._start_itself, clock=self._wall)
+
+    def set_up(self) -> None:
+        """Makes what the node needs; nothing is published yet."""
+
+    def start(self) -> None:
+        """Begins to work."""
+
+    def stop(self) -> None:
+        """Pauses."""
+
+    def tear_down(self) -> None:
+        """Undoes `set_up`."""
+
+    def report(self) -> dict[str, float | int | str | bool]:
+        """Values for the diagnostics; `warning` or `error` sets the level and the text."""
+        return {}
+
+    @property
+    def stamp(self) -> int:
+        """Simulated time the node has come to [ns]."""
+        return 0
+
+    def quit(self, status: int, reason: str) -> None:
+        """Ends the process soon; the first reason counts."""
+        if self.exit_status is None:
+            self.exit_status, self.exit_reason = status, reason
+            if status == FAILED:
+                self.logger.error(reason)
+
+    def tell_once(self, text: str) -> None:
+        """Warns, but not again with the same words."""
+        if text not in self._told:
+            self._told.add(text)
+            self.logger.warning(text)
+
+    def reject(self, error: Exception) -> None:
+        """Counts a message that cannot be used and says why, once per reason."""
+        self.rejected += 1
+        self.tell_once(str(error))
+
+    def finish(self) -> None:
+        """Last diagnostics before the node goes."""
+        self.running = False
+        self._publish_diagnostics()
+        self._diagnostics.wait_for_all_acked(_LAST_WORD)
+
+    # Lifecycle transitions; rclpy swallows exceptions in them, so they are turned into an exit here.
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Makes endpoints and components."""
+        return self._transition(self.set_up)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begins to work."""
+        return self._transition(self.start, running=True)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Pauses: the lock-stepped graph waits for this node until it is activated again."""
+        return self._transition(self.stop, running=False)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Undoes the configuration."""
+        return self._transition(self.tear_down, running=False)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Ends the process."""
+        self.running = False
+        self.quit(0, "shut down by its lifecycle")
+        return TransitionCallbackReturn.SUCCESS
+
+    def _transition(self, action: Any, running: bool | None = None) -> TransitionCallbackReturn:
+        try:
+            if running is not None:
+                self.running = running
+            action()
+        except ConfigurationError as error:
+            self.running = False
+            self.quit(BAD_CONFIGURATION, str(error))
+            return TransitionCallbackReturn.FAILURE
+        except Exception as error:  # whatever it is, the user must see it
+            self.running = False
+            self.quit(FAILED, f"{type(error).__name__}: {error}")
+            return TransitionCallbackReturn.ERROR
+        return TransitionCallbackReturn.SUCCESS
+
+    def _start_itself(self) -> None:
+        self._starter.cancel()
+        untyped = cast(Any, self)
+        if self.graph.autostart and untyped.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+            untyped.trigger_activate()
+
+    def _publish_diagnostics(self) -> None:
+        values = self.report()
+        name = self.get_fully_qualified_name()
+        status = DiagnosticStatus(level=DiagnosticStatus.OK, name=name, message="running")
+        status.hardware_id = self.get_namespace()
+        if not self.running:
+            status.message = "not running"
+        for key, level in (("warning", DiagnosticStatus.WARN), ("error", DiagnosticStatus.ERROR)):
+            if values.get(key):
+                status.level, status.message = level, str(values[key])
+        status.values = [KeyValue(key=key, value=_text(value)) for key, value in values.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(self.stamp, NANOSECONDS)
+        self._diagnostics.publish(message)
+
+
+def _text(value: Any) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+class Rate:
+    """Steps per wall second between two looks."""
+
+    def __init__(self) -> None:
+        """Starts at nothing."""
+        self._steps = 0
+        self._at = time.monotonic()
+
+    def look(self, steps: int) -> float:
+        """The rate since the last look [Hz], given the steps so far."""
+        now = time.monotonic()
+        rate = (steps - self._steps) / max(now - self._at, 1e-9)
+        self._steps, self._at = steps, now
+        return rate

@@ -1,0 +1,156 @@
+"""The simulator in the graph: publishes the state of a tick, waits for its commands, steps."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from rclpy.duration import Duration
+from rosgraph_msgs.msg import Clock
+
+from follower_humanoid.graph.wiring import SIMULATOR, node_wiring
+from follower_humanoid.ros.barrier import RollCall, expected_readers
+from follower_humanoid.ros.codecs import NANOSECONDS, clock_bytes
+from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
+from follower_humanoid.ros.graph_config import LEADER, RunConfig
+from follower_humanoid.ros.lockstep import CLOCK
+from follower_humanoid.ros.lockstep_node import LockStepNode, shared_robot
+from follower_humanoid.ros.managed_node import FAILED
+from follower_humanoid.ros.parameters import declare
+from follower_humanoid.ros.people import PeopleWrench
+from follower_humanoid.ros.qos import PEOPLE
+from follower_humanoid.ros.run_end import RunEnd
+
+FELL = 3
+_PACE = 0.0005  # wall time between two looks at the clock when paced [s]
+_GRACE = 1.0
+_LAST_ACKNOWLEDGEMENT = Duration(seconds=0, nanoseconds=200_000_000)
+
+
+class SimulatorNode(LockStepNode):
+    """Keeps simulated time; everyone else follows its stamps."""
+
+    def __init__(self, **options: Any) -> None:
+        """Declares the plant's and the run's parameters."""
+        super().__init__(node_wiring(SIMULATOR), **options)
+        self.run: RunConfig = declare(self, RunConfig)
+        self._roll_call = RollCall(self, self.present)
+        self._inputs = self.wiring.component_class().Inputs
+        self._input_of = {topic: name for name, topic in self.wiring.inputs.items()}
+        self._people: list[PeopleWrench] = []
+        self._began = 0.0
+        self._skew_tick = 0
+        self._speed = (0.0, 0)
+        if self.run.realtime:
+            self.create_timer(_PACE, self.run_ready_steps, clock=self._wall)
+
+    def awaited_topics(self) -> tuple[str, ...]:
+        """Commands, and the leader's wrenches where the built-in leader runs."""
+        topics = node_wiring(SIMULATOR).inputs.values()
+        return tuple(t for t in topics if t not in PEOPLE_TOPICS or LEADER in self.present)
+
+    def set_up(self) -> None:
+        """Builds the world and the endpoints, the clock among them."""
+        super().set_up()
+        robot = shared_robot(self.graph.urdf)
+        self._end = RunEnd(self.run, robot)
+        self._clock_publisher = self.make_publisher(Clock, CLOCK)
+        if self._barrier is not None:
+            self._barrier.watch(self._clock_publisher, expected_readers(CLOCK, self.present))
+        self._people = [self._person(topic) for topic in sorted(PEOPLE_TOPICS)]
+
+    def _person(self, topic: str) -> PeopleWrench:
+        codec = self._codecs[topic]
+        person = PeopleWrench(
+            codec, self.run, self.tick_ns, self.component.knows_frame, self.tell_once, self.reject
+        )
+        subscription = self.make_subscription(codec.message_type, topic, person.receive, PEOPLE)
+        person.publishers = subscription.get_publisher_count
+        person.now = lambda: self.lock.tick * self.graph.tick
+        if topic in self.lock.topics:
+            self.make_subscription(codec.message_type, topic, person.note_leader)
+        return person
+
+    def still_waiting_for(self) -> list[str]:
+        """Nodes that have not announced themselves."""
+        missing = self._roll_call.waiting_for()
+        return [f"nodes {', '.join(missing)} to be ready"] if missing else []
+
+    def barrier_passed(self) -> None:
+        """Time 0: the first state goes out."""
+        self._began = time.monotonic()
+        self._publish_state()
+
+    def may_step(self) -> bool:
+        """In real time, not before the tick is over on the wall's clock too."""
+        if not self.run.realtime:
+            return True
+        ahead = (self.lock.tick + 1 - self._skew_tick) * self.graph.tick - (time.monotonic() - self._began)
+        if ahead < -_GRACE:  # too slow a machine: go on from here rather than race to catch up
+            self._began, self._skew_tick = time.monotonic(), self.lock.tick
+        return ahead <= 0.0
+
+    def step(self, tick: int, samples: Mapping[str, Any]) -> None:
+        """One tick of physics, then the next state."""
+        values = {self._input_of[topic]: sample for topic, sample in samples.items()}
+        for person in self._people:
+            held = person.at(tick * self.graph.tick)
+            if held is not None:
+                values[self._input_of[person.topic]] = held
+        self.component.advance(self._inputs(**values))
+        self._publish_state()
+        self._look_for_end()
+
+    def _publish_state(self) -> None:
+        tick = self.lock.tick
+        self.publish(self.component.observe(), tick)
+        self._clock_publisher.publish(clock_bytes(tick * self.tick_ns))
+
+    def _look_for_end(self) -> None:
+        state, fall = self.component.observe(), self.component.fall
+        now = self.lock.tick * self.graph.tick
+        feet = (state.left_foot.force, state.right_foot.force)
+        if not self._end.over(now, state.odometry.linear_velocity, feet, fall.time if fall else None):
+            return
+        if fall is None:
+            self.quit(0, f"the run ended at {now:.3f} s")
+            return
+        x, y, _ = fall.place
+        place = f"at x = {x:.2f} m, y = {y:.2f} m"
+        self.quit(FELL, f"the robot fell at {fall.time:.3f} s, {place}: {fall.reason}")
+
+    def stalled(self, waited: float, missing: str) -> None:
+        """Nobody else can go on either: the run is lost."""
+        self.quit(FAILED, f"no message for {waited:.0f} s: {missing}")
+
+    def finish(self) -> None:
+        """Waits until everyone has the last state."""
+        for publisher in self._own_publishers:
+            publisher.wait_for_all_acked(_LAST_ACKNOWLEDGEMENT)
+        super().finish()
+
+    @property
+    def stamp(self) -> int:
+        """Simulated time of the newest state [ns]."""
+        return self.lock.tick * self.tick_ns
+
+    def report(self) -> dict[str, float | int | str | bool]:
+        """Simulated time, real-time factor, voltage, saturation, fall."""
+        values = super().report()
+        now = time.monotonic()
+        at, tick = self._speed
+        factor = (self.lock.tick - tick) * self.graph.tick / max(now - at, 1e-9) if at else 0.0
+        self._speed = (now, self.lock.tick)
+        elapsed = now - self._began if self._began else 0.0
+        values["simulated_time [s]"] = self.stamp / NANOSECONDS
+        values["real_time_factor"] = factor
+        if elapsed:
+            values["mean_real_time_factor"] = self.stamp / NANOSECONDS / elapsed
+        if self.exit_status is not None:
+            values["ended"] = self.exit_reason
+        fall = self.component.fall if self.component is not None else None
+        values["fallen"] = fall is not None
+        if fall is not None:
+            values["error"] = f"fell at {fall.time:.3f} s: {fall.reason}"
+        return values

@@ -1,0 +1,96 @@
+"""Runs nodes on one executor until a signal comes or one of them has come to its end."""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import os
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from types import FrameType
+from typing import Any, cast
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from rclpy.utilities import ok, try_shutdown
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, ManagedNode
+
+PARENT = "FOLLOWER_HUMANOID_PARENT"
+_PR_SET_PDEATHSIG = 1
+# The executor's wait without a time limit hangs at full load and hears no signal, so each wait is short.
+_WAIT = 0.1
+
+
+class _Stop:
+    """Remembers that a signal asked to stop."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, number: int, frame: FrameType | None) -> None:
+        self.asked = True
+
+
+def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = None) -> int:
+    """Makes the nodes and runs them.
+
+    Returns:
+        Exit status: 0 after a signal or a regular end, 2 for an unusable parameter, else the
+        status of the node that ended first.
+    """
+    die_with_parent()
+    stop = _Stop()
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    nodes: list[ManagedNode] = []
+    try:
+        for make in makers:
+            nodes.append(make())
+        return _spin(nodes, stop)
+    except ConfigurationError as error:
+        print(error, file=sys.stderr)
+        return BAD_CONFIGURATION
+    finally:
+        for node in nodes:
+            cast(Any, node).destroy_node()
+        try_shutdown()
+
+
+def _spin(nodes: list[ManagedNode], stop: _Stop) -> int:
+    executor = EventsExecutor()
+    for node in nodes:
+        executor.add_node(node)
+    gc.freeze()  # what exists now stays: collections need not look at it again
+    ended: ManagedNode | None = None
+    try:
+        while ended is None and not stop.asked and ok():
+            executor.spin_until_future_complete(Future(), timeout_sec=_WAIT)
+            ended = next((node for node in nodes if node.exit_status is not None), None)
+        for node in nodes:
+            node.finish()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        executor.shutdown()
+    if ended is None or ended.exit_status is None:
+        return 0
+    if ended.exit_status == BAD_CONFIGURATION:
+        print(ended.exit_reason, file=sys.stderr)
+    return ended.exit_status
+
+
+def die_with_parent() -> None:
+    """Asks the kernel for SIGTERM when the bringup that started this process is gone."""
+    parent = os.environ.get(PARENT)
+    if parent is None:
+        return
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    if os.getppid() != int(parent):  # it went before we could ask
+        sys.exit(1)
