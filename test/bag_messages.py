@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +14,9 @@ from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Header
 
 from follower_humanoid.bag.qos import offered_qos
-from follower_humanoid.bag.recorder import Arrival, Recorded, Recording, recorded_topics
+from follower_humanoid.bag.recorder import Announce, Arrival, Recorded, Recording, recorded_topics
 from follower_humanoid.bag.writer import About, BagWriter
 
-Announce = Callable[[Recorded], tuple[str, list[dict[str, Any]]]]
 TICK_NS = 2_000_000
 START = 1_700_000_000_000_000_000
 JOINTS = tuple(f"joint_{number}" for number in range(45))
@@ -116,10 +114,18 @@ def announce_in(namespace: str = "/") -> Announce:
 ABOUT = About("<robot/>", {"parameters": "a: 1\n", "programme": "fig4"}, {"tick": "0.002", "seed": "7"})
 
 
+def record(writer: BagWriter, made: list[Arrival], namespace: str = "/") -> Recording:
+    recording = Recording(writer, 100.0, TICK_NS, announce_in(namespace))
+    for arrival in made:
+        recording.take(arrival)
+    recording.flush()
+    return recording
+
+
 def write_bag(
     folder: Path, count: int = 500, namespace: str = "/", made: list[Arrival] | None = None
 ) -> Path:
     """A bag of `count` ticks."""
     with BagWriter(folder, ABOUT, START) as writer:
-        Recording(writer, 100.0, announce_in(namespace)).add(arrivals(count) if made is None else made)
+        record(writer, arrivals(count) if made is None else made, namespace)
     return folder

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bag_messages import ABOUT, START, TICK_NS, TOPICS, announce_in, joint_state, odometry
+from bag_messages import ABOUT, START, TICK_NS, TOPICS, joint_state, odometry, record
 
 from follower_humanoid.bag.reader import read_run
-from follower_humanoid.bag.recorder import Arrival, Recording
+from follower_humanoid.bag.recorder import Arrival
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
 from follower_humanoid.core import topics as table
@@ -38,7 +38,7 @@ def recorded(folder: Path, robot: RobotModel, topic: str, collected: list[Any]) 
         made.append(Arrival(TOPICS["odom"], odometry(tick), received, received))
         made.append(Arrival(TOPICS[topic], codec.encode(sample, tick * TICK_NS), received + 1, received))
     with BagWriter(folder, ABOUT, START) as writer:
-        Recording(writer, 100.0, announce_in()).add(made)
+        record(writer, made)
     return read_run(folder)
 
 

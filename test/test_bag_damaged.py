@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bag_messages import ABOUT, START, TICK_NS, TOPICS, announce_in, arrivals, point, write_bag
+from bag_messages import ABOUT, START, TICK_NS, TOPICS, arrivals, point, record, write_bag
 from mcap.writer import Writer
 
 from follower_humanoid.bag.reader import read_run
-from follower_humanoid.bag.recorder import Arrival, Recording
+from follower_humanoid.bag.recorder import Arrival
 from follower_humanoid.bag.writer import About, BagWriter
 from follower_humanoid.errors import ConfigurationError
 
@@ -26,7 +26,7 @@ def refusal(path: Path) -> str:
 
 def test_a_recorder_that_was_killed_leaves_all_but_the_last_second(tmp_path: Path) -> None:
     writer = BagWriter(tmp_path / "killed", ABOUT, START)
-    Recording(writer, 100.0, announce_in()).add(arrivals(2000))  # 4 s, and never closed
+    record(writer, arrivals(2000))  # 4 s, and never closed
     run = read_run(tmp_path / "killed")
     assert len(run["joint_states"]) >= 1500
     assert run.urdf == "<robot/>"

@@ -6,9 +6,10 @@ Free of ROS: serialized messages come in with their times, a bag goes out.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
@@ -38,6 +39,11 @@ EVERY_MESSAGE = frozenset(
     }
 )
 """Topics of which every message is kept."""
+STATE = "joint_states"
+
+# Stamps of any clock: these cannot be thinned out by them. Footsteps are sent when they change.
+_FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
+_AS_THEY_COME = _FROM_PEOPLE | {"footsteps"}
 
 _ENCAPSULATION = 4
 _TYPE_NAMES: dict[type, str] = {
@@ -58,9 +64,8 @@ _TYPE_NAMES: dict[type, str] = {
 class RecorderConfig:
     """What the recorder node is told."""
 
-    bag: str = parameter("", "folder of the bag; must not exist yet")
-    urdf: str = parameter("", "URDF file carried in the bag; empty: the package's own")
-    about: str = parameter("", "YAML file of texts carried in the bag: name -> text")
+    bag: str = parameter("", "folder of the bag, must not exist yet; empty: bags/<date-time>")
+    about: str = parameter("", "YAML file, name -> text, of what the bag shall carry; empty: nothing")
     rate: float = parameter(100.0, "rate of the topics that are thinned out", "Hz", 1.0, 1000.0)
     poll: float = parameter(0.02, "wall time between two visits to the queues", "s", 0.001, 1.0)
 
@@ -70,15 +75,17 @@ class Recorded:
     """One topic as it is recorded.
 
     Attributes:
-        name: Relative name.
+        name: Relative name; diagnostics are shared by all robots.
         type_name: `package/msg/Type`.
         thinned: True where only a part of the messages is kept.
+        lockstepped: True where only nodes of the graph publish, reliably.
         stamped_at: Byte offset of the stamp in the serialized message.
     """
 
     name: str
     type_name: str
     thinned: bool
+    lockstepped: bool
     stamped_at: int = _ENCAPSULATION
 
 
@@ -88,11 +95,11 @@ def recorded_topics() -> tuple[Recorded, ...]:
     for topic in TOPICS.values():
         # An array of markers begins with its length; the stamp is that of the first marker.
         offset = _ENCAPSULATION + (4 if topic.kind is samples.Footsteps else 0)
-        # People's messages carry stamps of any clock, so they cannot be thinned out by them.
-        thinned = topic.name not in EVERY_MESSAGE and topic.everybody
-        listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], thinned, offset))
-    listed.append(Recorded("clock", "rosgraph_msgs/msg/Clock", True))
-    listed.append(Recorded("diagnostics", "diagnostic_msgs/msg/DiagnosticArray", False))
+        thinned = topic.name not in EVERY_MESSAGE and topic.name not in _AS_THEY_COME
+        reliable = topic.name not in _FROM_PEOPLE
+        listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], thinned, reliable, offset))
+    listed.append(Recorded("clock", "rosgraph_msgs/msg/Clock", True, False))
+    listed.append(Recorded("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", False, False))
     return tuple(listed)
 
 
@@ -105,8 +112,7 @@ def stamp_of(data: bytes, offset: int) -> int | None:
     return int(seconds) * NANOSECONDS + int(nanoseconds)
 
 
-@dataclass(frozen=True)
-class Arrival:
+class Arrival(NamedTuple):
     """One message as it came in; times since the epoch [ns]."""
 
     topic: Recorded
@@ -115,49 +121,71 @@ class Arrival:
     published: int
 
 
-class Recording:
-    """Sorts, thins out and writes what arrives."""
+_RECEIVED = attrgetter("received")
+Announce = Callable[[Recorded], tuple[str, list[dict[str, Any]]]]
 
-    def __init__(
-        self, writer: BagWriter, rate: float, announce: Callable[[Recorded], tuple[str, list[dict[str, Any]]]]
-    ) -> None:
-        """Args: the open bag, the rate of thinned topics [Hz], and what names a topic's full name and QoS."""
+
+class Recording:
+    """Thins out, sorts and writes what arrives."""
+
+    def __init__(self, writer: BagWriter, rate: float, tick_ns: int, announce: Announce) -> None:
+        """Begins with nothing.
+
+        Args:
+            writer: The open bag.
+            rate: Of the topics that are thinned out [Hz].
+            tick_ns: Control tick [ns].
+            announce: Gives a topic's full name and offered QoS when its first message is here.
+        """
         self._writer = writer
         self._slot = round(NANOSECONDS / rate)
+        self._tick = tick_ns
         self._announce = announce
         self._channels: dict[str, int] = {}
         self._last_slot: dict[str, int] = {}
-        self._latest_stamp: int | None = None
+        self._batch: list[Arrival] = []
+        self.latest_stamp: int | None = None
+        self.missing = 0
 
     @property
-    def latest_stamp(self) -> int | None:
-        """Stamp of the newest joint state [ns], None before the first."""
-        return self._latest_stamp
+    def count(self) -> int:
+        """Messages written so far."""
+        return self._writer.message_count
 
-    def add(self, arrivals: Iterable[Arrival]) -> None:
-        """Writes a batch in the order of arrival.
+    def take(self, arrival: Arrival) -> None:
+        """Takes a message in; thinned topics keep the first one of each slot of stamp time."""
+        topic = arrival.topic
+        if topic.thinned:
+            stamp = stamp_of(arrival.data, topic.stamped_at)
+            slot = (self.latest_stamp or 0 if stamp is None else stamp) // self._slot
+            if self._last_slot.get(topic.name) == slot:
+                return
+            self._last_slot[topic.name] = slot
+        elif topic.name == STATE:
+            self._watch(stamp_of(arrival.data, topic.stamped_at))
+        self._batch.append(arrival)
+
+    def flush(self) -> int:
+        """Writes what was taken in since the last time, in the order of arrival.
+
+        Returns:
+            How many messages were written.
 
         Raises:
             OSError: The disk is full or gone.
         """
-        for arrival in sorted(arrivals, key=lambda a: a.received):
-            topic = arrival.topic
-            if topic.name == "joint_states":
-                self._latest_stamp = stamp_of(arrival.data, topic.stamped_at)
-            if topic.thinned and not self._is_due(topic, arrival.data):
-                continue
+        batch, self._batch = self._batch, []
+        batch.sort(key=_RECEIVED)
+        for topic, data, received, published in batch:
             channel = self._channels.get(topic.name)
             if channel is None:
                 name, qos = self._announce(topic)
                 channel = self._channels[topic.name] = self._writer.add_topic(name, topic.type_name, qos)
-            self._writer.write(channel, arrival.data, arrival.received, arrival.published)
+            self._writer.write(channel, data, received, published)
+        return len(batch)
 
-    def _is_due(self, topic: Recorded, data: bytes) -> bool:
-        stamp = stamp_of(data, topic.stamped_at)
-        if stamp is None:
-            stamp = self._latest_stamp or 0
-        slot = stamp // self._slot
-        if self._last_slot.get(topic.name) == slot:
-            return False
-        self._last_slot[topic.name] = slot
-        return True
+    def _watch(self, stamp: int | None) -> None:
+        """Counts the ticks whose state did not arrive."""
+        if stamp is not None and self.latest_stamp is not None:
+            self.missing += max(0, round((stamp - self.latest_stamp) / self._tick) - 1)
+        self.latest_stamp = stamp

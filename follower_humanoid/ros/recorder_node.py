@@ -1,0 +1,173 @@
+"""The node that writes the run into a bag.
+
+Its subscriptions are not spun: a timer empties their queues. That costs less than callbacks, and
+a message then brings the times at which it was sent and received.
+"""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from follower_humanoid.bag.about import about_run, texts_in
+from follower_humanoid.bag.qos import offered_qos
+from follower_humanoid.bag.recorder import Arrival, Recorded, RecorderConfig, Recording, recorded_topics
+from follower_humanoid.bag.writer import BagWriter
+from follower_humanoid.ros.graph_config import RECORDER
+from follower_humanoid.ros.managed_node import FAILED, ManagedNode
+from follower_humanoid.ros.parameters import declare
+
+# Four seconds of the fastest topic: a disk may hesitate that long.
+_DEPTH = 2000
+_LATE = 0.1  # wall time without a message after which nothing more is expected at the end [s]
+_LONGEST_END = 1.0
+_GONE = 2.0  # wall time without the simulator after which the run is over [s]
+
+
+class RecorderNode(ManagedNode):
+    """Takes every topic of the graph and keeps what the bag needs."""
+
+    _taps: tuple[tuple[Recorded, Any], ...] = ()
+
+    def __init__(self, **options: Any) -> None:
+        """Declares the parameters.
+
+        Raises:
+            ConfigurationError: A parameter value cannot be used.
+        """
+        super().__init__(RECORDER, **options)
+        self.config = declare(self, RecorderConfig)
+        self._writer: BagWriter | None = None
+        self._recording: Recording | None = None
+        self._poll = self.create_timer(self.config.poll, self._visit, clock=self._wall)
+        self._poll.cancel()
+        self.create_timer(0.5, self._look_for_simulator, clock=self._wall)
+        self._seen_at: float | None = None
+
+    @property
+    def subscriptions(self) -> Iterator[Any]:
+        """What an executor has to look after: not the taps."""
+        taps = {subscription for _, subscription in self._taps}
+        return (s for s in super().subscriptions if s not in taps)
+
+    def set_up(self) -> None:
+        """Opens the bag, then listens."""
+        folder = Path(self.config.bag or datetime.now().strftime("bags/%Y-%m-%d-%H-%M-%S"))
+        about = about_run(self.graph.urdf, texts_in(self.config.about), self.graph.tick)
+        self._writer = BagWriter(folder, about, time.time_ns())
+        self._recording = Recording(self._writer, self.config.rate, self.tick_ns, self._announce)
+        self._taps = tuple((topic, self._listen(topic)) for topic in recorded_topics())
+
+    def start(self) -> None:
+        """Begins to empty the queues."""
+        self._poll.reset()
+
+    def stop(self) -> None:
+        """Lets the queues fill until the node goes on."""
+        self._poll.cancel()
+
+    def tear_down(self) -> None:
+        """Closes the bag."""
+        self._visit()
+        self._close()
+        taps, self._taps = self._taps, ()
+        for _, subscription in taps:
+            self.destroy_subscription(subscription)
+
+    def finish(self) -> None:
+        """Waits for messages on their way and closes the bag."""
+        deadline = time.monotonic() + _LONGEST_END
+        last = time.monotonic()
+        while self.running and time.monotonic() < min(deadline, last + _LATE):
+            if self._visit():
+                last = time.monotonic()
+            time.sleep(0.01)
+        self._close()
+        super().finish()
+
+    @property
+    def stamp(self) -> int:
+        """Time of the newest joint state [ns]."""
+        return (self._recording.latest_stamp or 0) if self._recording else 0
+
+    def report(self) -> dict[str, float | int | str | bool]:
+        """What was written and what was lost."""
+        if self._recording is None or self._writer is None:
+            return {}
+        missing = self._recording.missing
+        values: dict[str, float | int | str | bool] = {
+            "bag": str(self._writer.folder),
+            "messages": self._recording.count,
+            "missed_ticks": missing,
+        }
+        if missing:
+            values["warning"] = f"{missing} joint states did not arrive"
+        return values
+
+    def _listen(self, topic: Recorded) -> Any:
+        # Reliable for what our own nodes send; best effort hears every publisher.
+        reliable = topic.lockstepped
+        policy = ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
+        qos = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=policy)
+        package, _, name = topic.type_name.partition("/msg/")
+        message_type = getattr(importlib.import_module(f"{package}.msg"), name)
+        return self.create_subscription(message_type, topic.name, lambda _: None, qos, raw=True)
+
+    def _visit(self) -> int:
+        """Takes in all that has arrived; returns how many messages were kept."""
+        recording = self._recording
+        if recording is None or self._writer is None:
+            return 0
+        for topic, subscription in self._taps:
+            handle, message_type = subscription.handle, subscription.msg_type
+            with handle:
+                while (taken := handle.take_message(message_type, True)) is not None:
+                    data, info = taken
+                    received, published = info["received_timestamp"], info["source_timestamp"]
+                    recording.take(Arrival(topic, data, received, published))
+        try:
+            return recording.flush()
+        except OSError as error:
+            self._give_up(error)
+            return 0
+
+    def _announce(self, topic: Recorded) -> tuple[str, list[dict[str, Any]]]:
+        subscription = next(tap for known, tap in self._taps if known is topic)
+        name = str(subscription.topic_name)
+        profiles = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
+        offered = [offered_qos(p.reliability.name.lower(), p.durability.name.lower()) for p in profiles]
+        return name, offered or [offered_qos()]
+
+    def _look_for_simulator(self) -> None:
+        """Ends the node when the simulator has been there and is gone."""
+        state = next((tap for topic, tap in self._taps if topic.name == "joint_states"), None)
+        if state is None:
+            return
+        now = time.monotonic()
+        if state.get_publisher_count():
+            self._seen_at = now
+        elif self._seen_at is not None and now - self._seen_at > _GONE:
+            self.quit(0, "the simulator is gone")
+
+    def _close(self) -> None:
+        writer, self._writer = self._writer, None
+        if writer is None:
+            return
+        try:
+            writer.close()
+        except OSError as error:
+            self.quit(FAILED, f"bag {writer.folder}: {error.strerror}; it ends without a summary")
+
+    def _give_up(self, error: OSError) -> None:
+        at = self.stamp / 1e9
+        folder = self._writer.folder if self._writer else ""
+        self._close()
+        self.quit(
+            FAILED, f"bag {folder}: {error.strerror} at {at:.2f} s; what was written before can be read"
+        )
