@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Hashable
 from pathlib import Path
-from typing import Any, ClassVar, cast
+from typing import Any
 
 import yaml
 
@@ -30,11 +30,9 @@ class _Fault(Exception):
 class _PlainLoader(yaml.SafeLoader):
     """Safe YAML of mappings, lists, texts, numbers, true and false."""
 
-    yaml_implicit_resolvers: ClassVar[dict[str, list[tuple[str, re.Pattern[str]]]]] = {}
-
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         """Refuses aliases and tags; all else is read as usual."""
-        event = cast(Any, self).peek_event()  # untyped in the stubs
+        event = self.peek_event()
         if isinstance(event, yaml.AliasEvent):
             raise _Fault("aliases are not allowed", event.start_mark)
         if getattr(event, "tag", None) is not None:
@@ -53,6 +51,7 @@ class _PlainLoader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
+_PlainLoader.yaml_implicit_resolvers = {}
 for _tag, _pattern, _first in (
     ("bool", r"true|True|TRUE|false|False|FALSE", "tTfF"),
     ("int", r"[-+]?(0|[1-9][0-9]*)", "-+0123456789"),
