@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Hashable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import yaml
 
@@ -32,7 +32,7 @@ class _PlainLoader(yaml.SafeLoader):
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         """Refuses aliases and tags; all else is read as usual."""
-        event = self.peek_event()
+        event = cast(Any, self).peek_event()  # untyped in the stubs
         if isinstance(event, yaml.AliasEvent):
             raise _Fault("aliases are not allowed", event.start_mark)
         if getattr(event, "tag", None) is not None:
