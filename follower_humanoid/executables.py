@@ -20,6 +20,7 @@ EXECUTABLES: tuple[str, ...] = (
     "arm_controller",
     "leader",
     "recorder",
+    "composed",
     "bringup",
     "report",
 )

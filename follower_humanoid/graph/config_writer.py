@@ -14,7 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from follower_humanoid.core.config import ParameterInfo
-from follower_humanoid.graph.node_configs import node_names, node_parameters, shared_parameters
+from follower_humanoid.graph.node_configs import (
+    config_classes,
+    node_names,
+    node_parameters,
+    shared_parameters,
+)
 from follower_humanoid.graph.wiring import NODES
 
 _HEAD = """\
@@ -44,9 +49,9 @@ def _block(node: str, purpose: str, parameters: dict[str, ParameterInfo]) -> str
 
 
 def _purpose(node: str) -> str:
-    """What the node's component says of itself."""
-    said = NODES[node].component_class().__doc__ if node in NODES else None
-    line = (said or node).splitlines()[0].removeprefix("Component: ").rstrip(".")
+    """What the node's component, or else its configuration, says of itself."""
+    speaker = NODES[node].component_class() if node in NODES else config_classes(node)[0]
+    line = (speaker.__doc__ or node).splitlines()[0].removeprefix("Component: ").rstrip(".")
     return line[:1].upper() + line[1:]
 
 

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
-from follower_humanoid.core.config import ParameterInfo, parameters_of
+from dataclasses import dataclass
+
+from follower_humanoid.bag.recorder import RecorderConfig
+from follower_humanoid.core.config import ParameterInfo, parameter, parameters_of
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.ros.graph_config import RECORDER, GraphConfig, shared_config_classes
+
+
+@dataclass(frozen=True)
+class RosConfig:
+    """What ROS 2 itself declares on every node."""
+
+    use_sim_time: bool = parameter(False, "log lines and clocks of the node follow /clock; stamps always do")
 
 
 def node_names() -> tuple[str, ...]:
@@ -13,9 +23,9 @@ def node_names() -> tuple[str, ...]:
 
 
 def config_classes(node: str) -> tuple[type, ...]:
-    """The configuration dataclasses of a node: its component's own, then what it shares with others."""
-    own = (NODES[node].component_class().Config,) if node in NODES else ()
-    return (*own, *shared_config_classes(node))
+    """The configuration dataclasses of a node: its own, then what it shares with others."""
+    own = RecorderConfig if node == RECORDER else NODES[node].component_class().Config
+    return (own, *shared_config_classes(node), RosConfig)
 
 
 def node_parameters(node: str) -> dict[str, ParameterInfo]:
@@ -24,5 +34,5 @@ def node_parameters(node: str) -> dict[str, ParameterInfo]:
 
 
 def shared_parameters() -> dict[str, ParameterInfo]:
-    """The parameters that all nodes must agree on."""
-    return {info.name: info for info in parameters_of(GraphConfig)}
+    """The parameters that every node has, and that all must agree on."""
+    return {info.name: info for cls in (GraphConfig, RosConfig) for info in parameters_of(cls)}
