@@ -17,9 +17,9 @@ from mcap.reader import make_reader
 from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
 from mcap.stream_reader import get_chunk_data_stream
 
+from follower_humanoid.bag.mcap_writer import MAGIC
 from follower_humanoid.errors import ConfigurationError
 
-MAGIC = b"\x89MCAP0\r\n"
 _FRAME = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
 _BROKEN = (

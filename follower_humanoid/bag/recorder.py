@@ -176,12 +176,13 @@ class Recording:
         """
         batch, self._batch = self._batch, []
         batch.sort(key=_RECEIVED)
+        write, channels = self._writer.write, self._channels
         for topic, data, received, published in batch:
-            channel = self._channels.get(topic.name)
+            channel = channels.get(topic.name)
             if channel is None:
                 name, qos = self._announce(topic)
-                channel = self._channels[topic.name] = self._writer.add_topic(name, topic.type_name, qos)
-            self._writer.write(channel, data, received, published)
+                channel = channels[topic.name] = self._writer.add_topic(name, topic.type_name, qos)
+            write(channel, data, received, published)
         return len(batch)
 
     def _watch(self, stamp: int | None) -> None:

@@ -10,11 +10,10 @@ import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, cast
-
-from mcap.writer import CompressionType, Writer
+from typing import Any
 
 from follower_humanoid.bag.definitions import definition
+from follower_humanoid.bag.mcap_writer import McapWriter
 from follower_humanoid.bag.qos import plain_yaml
 from follower_humanoid.errors import ConfigurationError
 
@@ -23,38 +22,14 @@ DISTRIBUTION = "jazzy"
 LIBRARY = "follower_humanoid"
 URDF_ATTACHMENT = "robot.urdf"
 ABOUT_METADATA = "follower_humanoid"
-_CHUNK_BYTES = 4 * 1024 * 1024
 _FLUSH_NS = 1_000_000_000
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Channel:
     topic: str
     type_name: str
     qos: list[dict[str, Any]]
-    count: int = 0
-
-
-@dataclass
-class _Span:
-    """Receive times seen so far [ns]."""
-
-    first: int | None = None
-    last: int = 0
-    count: int = 0
-
-    def add(self, time: int) -> None:
-        self.first = time if self.first is None else min(self.first, time)
-        self.last = max(self.last, time)
-        self.count += 1
-
-    def as_metadata(self) -> dict[str, Any]:
-        start = self.first or 0
-        return {
-            "starting_time": {"nanoseconds_since_epoch": start},
-            "duration": {"nanoseconds": self.last - start if self.count else 0},
-            "message_count": self.count,
-        }
 
 
 @dataclass(frozen=True)
@@ -95,20 +70,15 @@ class BagWriter:
         self.folder = folder
         self.file = folder / f"{folder.name}_0.mcap"
         self._stream = self.file.open("xb")
-        # The library's writer is only half annotated.
-        self._writer = cast(
-            Any, Writer(self._stream, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
-        )
-        self._writer.start(profile="ros2", library=LIBRARY)
+        self._writer = McapWriter(self._stream, "ros2", LIBRARY)
         if about.urdf:
-            self._attach(URDF_ATTACHMENT, "application/xml", about.urdf, created)
+            self._writer.attach(URDF_ATTACHMENT, "application/xml", about.urdf.encode("utf-8"), created)
         for name, text in about.texts.items():
-            self._attach(name, "text/plain", text, created)
+            self._writer.attach(name, "text/plain", text.encode("utf-8"), created)
         self._writer.add_metadata(ABOUT_METADATA, dict(about.values))
         self._writer.flush()
         self._channels: dict[int, _Channel] = {}
         self._schemas: dict[str, int] = {}
-        self._span = _Span()
         self._flushed = created
         self._open = True
 
@@ -121,7 +91,7 @@ class BagWriter:
     @property
     def message_count(self) -> int:
         """Messages written so far."""
-        return self._span.count
+        return sum(self._writer.counts.values())
 
     def add_topic(self, topic: str, type_name: str, qos: list[dict[str, Any]]) -> int:
         """Announces a topic; the result identifies it in `write`.
@@ -136,12 +106,11 @@ class BagWriter:
         """
         described = definition(type_name)
         if type_name not in self._schemas:
-            data = described.text.encode("utf-8")
-            self._schemas[type_name] = self._writer.register_schema(type_name, "ros2msg", data)
+            self._schemas[type_name] = self._writer.add_schema(type_name, described.text)
         metadata = {"offered_qos_profiles": plain_yaml(qos), "topic_type_hash": described.type_hash}
-        channel = self._writer.register_channel(topic, "cdr", self._schemas[type_name], metadata)
+        channel = self._writer.add_channel(topic, self._schemas[type_name], metadata)
         self._channels[channel] = _Channel(topic, type_name, qos)
-        return int(channel)
+        return channel
 
     def write(self, channel: int, data: bytes, received: int, published: int) -> None:
         """One serialized message.
@@ -154,10 +123,7 @@ class BagWriter:
         Raises:
             OSError: The disk is full or gone.
         """
-        entry = self._channels[channel]
-        self._writer.add_message(channel, received, data, published, entry.count)
-        entry.count += 1
-        self._span.add(received)
+        self._writer.add_message(channel, received, published, data)
         if received - self._flushed > _FLUSH_NS:
             self._flushed = received
             self._writer.flush()
@@ -171,32 +137,34 @@ class BagWriter:
         if not self._open:
             return
         self._open = False
-        metadata = plain_yaml({"rosbag2_bagfile_information": self._metadata()})
         try:
+            self._writer.flush()
+            information = self._information()
             # rosbag2 keeps the inner mapping of metadata.yaml in the file as well.
-            self._writer.add_metadata("rosbag2", {"serialized_metadata": plain_yaml(self._metadata())})
+            self._writer.add_metadata("rosbag2", {"serialized_metadata": plain_yaml(information)})
             self._writer.finish()
-            self._stream.flush()
         finally:
             # What a full disk refused stays in the stream's buffer and is refused again here.
             with contextlib.suppress(OSError):
                 self._stream.close()
-        (self.folder / "metadata.yaml").write_text(metadata, encoding="utf-8")
+        text = plain_yaml({"rosbag2_bagfile_information": information})
+        (self.folder / "metadata.yaml").write_text(text, encoding="utf-8")
 
-    def _attach(self, name: str, media_type: str, text: str, created: int) -> None:
-        self._writer.add_attachment(created, created, name, media_type, text.encode("utf-8"))
-
-    def _metadata(self) -> dict[str, Any]:
-        span = self._span.as_metadata()
+    def _information(self) -> dict[str, Any]:
+        first, last = self._writer.span
+        counts = self._writer.counts
+        span = {
+            "starting_time": {"nanoseconds_since_epoch": first},
+            "duration": {"nanoseconds": last - first},
+            "message_count": self.message_count,
+        }
         return {
             "version": METADATA_VERSION,
             "storage_identifier": "mcap",
-            "duration": span["duration"],
-            "starting_time": span["starting_time"],
-            "message_count": span["message_count"],
+            **span,
             "topics_with_message_count": [
-                {"topic_metadata": _topic_metadata(channel), "message_count": channel.count}
-                for channel in self._channels.values()
+                {"topic_metadata": _topic_metadata(channel), "message_count": counts[number]}
+                for number, channel in self._channels.items()
             ],
             "compression_format": "",
             "compression_mode": "",
