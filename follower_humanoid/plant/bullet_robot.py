@@ -11,7 +11,7 @@ import pybullet
 from follower_humanoid.core.samples import Array
 from follower_humanoid.plant.spatial import cross
 from follower_humanoid.plant.world import World
-from follower_humanoid.robot.model import BASE_DOF
+from follower_humanoid.robot.model import BASE_DOF, Indices
 
 # Pinocchio's joint 1 is the free-flyer; joint n > 1 is actuated joint n − 2.
 FIRST_ACTUATED = 2
@@ -26,6 +26,7 @@ class BulletRobot:
         q, v: Configuration (52,) and velocity (51,), as in `RobotModel`; renewed in place by `read`.
         rotation: Base to world, shape (3, 3).
         base_velocity: Of the base_link origin, in world axes, shape (3,) [m/s].
+        center_in_base: The base link's own centre of mass in base_link, shape (3,) [m].
     """
 
     def __init__(self, world: World, urdf: str, joint_names: tuple[str, ...]) -> None:
@@ -51,7 +52,7 @@ class BulletRobot:
         )  # fmt: skip
         info = pybullet.getDynamicsInfo(self.body, -1, physicsClientId=client)
         # Bullet's base pose is the frame of the base's centre of mass and principal axes.
-        self._center_in_base = np.array(info[3])
+        self.center_in_base = np.array(info[3])
         self._principal_axes = pin.Quaternion(np.array(info[4])).toRotationMatrix()
         self._aligned = bool(np.array_equal(self._principal_axes, np.eye(3)))
         self.q, self.v = np.zeros(7 + len(joint_names)), np.zeros(BASE_DOF + len(joint_names))
@@ -62,7 +63,7 @@ class BulletRobot:
         """Sets configuration and velocity, shapes (52,) and (51,)."""
         rotation = pin.Quaternion(q[3:7]).toRotationMatrix()
         spin = rotation @ v[3:6]
-        center = rotation @ self._center_in_base
+        center = rotation @ self.center_in_base
         quat = pin.Quaternion(rotation @ self._principal_axes).coeffs()
         pybullet.resetBasePositionAndOrientation(
             self.body, (q[:3] + center).tolist(), quat.tolist(), physicsClientId=self._client
@@ -94,13 +95,17 @@ class BulletRobot:
             rotation = rotation @ self._principal_axes.T
             q[3:7] = pin.Quaternion(rotation).coeffs()
         self.rotation = rotation
-        center = rotation @ self._center_in_base
+        center = rotation @ self.center_in_base
         q[:3] = position
         q[:3] -= center
         turning = np.array(spin)
         self.base_velocity = np.array(linear) - cross(turning, center)
         v[:3] = self.base_velocity @ rotation
         v[3:6] = turning @ rotation
+
+    def dof_order(self) -> Indices:
+        """Where each of the 45 joints stands among PyBullet's own degrees of freedom."""
+        return np.argsort(np.argsort(self._joints))
 
     def drive(self, torque: Array) -> None:
         """Joint torques of the next step, shape (45,) [N·m]."""

@@ -58,6 +58,7 @@ class RobotPlant:
         effort: Eq. (13)'s torque of the last step, shape (45,) [N·m].
         time: Simulated time [s].
         passes: Solutions that the last step needed.
+        settled: False if contact states still changed after the last of them.
     """
 
     def __init__(
@@ -86,7 +87,7 @@ class RobotPlant:
         self.base_acceleration = np.zeros(3)
         self.effort = np.zeros(len(robot.joint_names))
         self.time = 0.0
-        self.passes = 0
+        self.passes, self.settled = 0, True
         self.stand()
 
     @property
@@ -149,10 +150,11 @@ class RobotPlant:
             self.passes = passes
             if settled:
                 break
+        self.settled = settled
         self.effort = self.motors.finish(qdd[BASE_DOF:], rate + h * qdd[BASE_DOF:])
         self.acceleration = qdd
         if on_ground:
-            self.soles.commit()
+            self.soles.commit(settled)
         self._apply(pulls, places)
         before = self.bullet.base_velocity
         self.world.step()

@@ -104,7 +104,7 @@ class Sensors:
         lifted[2] += GRAVITY
         self._specific_force += lifted @ self._rotation
         # Force through the wrist joint = inertia and weight of the hand less what acts on it.
-        pin.rnea(plant.model, self._data, self._q, self._v, plant.acceleration)
+        pin.rnea(plant.model, self._data, self._q, self._v, self._mean_acceleration())
         for row, force in zip(self._wrists, self._wrist_forces, strict=True):
             row -= force
         for pull in pulls:
@@ -117,11 +117,21 @@ class Sensors:
                 row[3:] += pull.torque @ turn + cross(frame.placement.translation, force)
         self._count += 1
 
+    def _mean_acceleration(self) -> Array:
+        """What the body really did in the last step, shape (51,); feels Bullet's contacts too."""
+        plant = self._plant
+        turn, spin = self._rotation, self._v[3:6]
+        mean: Array = (plant.v - self._v) / plant.world.step_length
+        spin_in_world = plant.rotation @ plant.v[3:6]
+        mean[3:6] = (spin_in_world @ turn - spin) / plant.world.step_length
+        mean[:3] = plant.base_acceleration @ turn - cross(spin, self._v[:3])
+        return mean
+
     def at_rest(self) -> None:
         """Gathers static equilibrium, for the readings before the first step."""
         self.clear()
         self.before_step()
-        self.after_step()
+        self.after_step()  # no step was made: no acceleration
 
     def read(self) -> Readings:
         """Every sensor at the current tick."""

@@ -214,16 +214,21 @@ class Soles:
         self._sticking = self._sticking & self._pressing & (_squares(force) <= cone * cone)
         self._slip(self._trial - self._c * self._change, normal)
 
-    def commit(self) -> None:
-        """Ends the step: clips what solving again left, lets the anchors of slipping points follow."""
+    def commit(self, settled: bool) -> None:
+        """Ends the step: the anchors of slipping points follow.
+
+        Args:
+            settled: False if solving again did not settle; what violates the cone is then clipped.
+        """
         force = self.force
-        if not self._any_slipping and not np.count_nonzero(force[:, 2] < 0.0):
+        if not settled:
+            np.maximum(force[:, 2], 0.0, out=force[:, 2])
+            limit = self._ground.friction * force[:, 2]
+            pull = np.sqrt(_squares(force))
+            beyond = pull > limit
+            force[beyond, :2] *= (limit[beyond] / pull[beyond])[:, None]
+        if not self._any_slipping:
             return
-        np.maximum(force[:, 2], 0.0, out=force[:, 2])
-        limit = self._ground.friction * force[:, 2]
-        pull = np.sqrt(_squares(force))
-        beyond = pull > limit
-        force[beyond, :2] *= (limit[beyond] / pull[beyond])[:, None]
         # The anchor goes where the spring carries the friction force.
         end = self.points + self._step * (self._rate + self._step * self._change)
         carried = end + force / self._k

@@ -12,6 +12,9 @@ from follower_humanoid.core.samples import SIDES, Array
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.robot.model import BASE_DOF, GRAVITY, RobotModel
 
+# What may be left of force and moment at time 0, as a share of the weight (· 1 m).
+BALANCED = 1e-10
+
 
 @dataclass(frozen=True)
 class StandingConfig:
@@ -135,7 +138,7 @@ def standing(robot: RobotModel, model: pin.Model, config: StandingConfig, stiffn
         forces = stiffness * np.maximum(0.0, -points[:, 2])
         arm = points[:, 0] - center[0]
         missing = np.array([mass * GRAVITY - forces.sum(), forces @ arm])
-        if abs(missing[0]) < 1e-8 and abs(missing[1]) < 1e-9:
+        if np.abs(missing).max() < BALANCED * mass * GRAVITY:
             break
         # d(depth) = d(sink) + x d(pitch), x about the sole origin, which is about the ankle.
         weight, x = stiffness * (forces > 0.0), points[:, 0]

@@ -20,8 +20,8 @@ from follower_humanoid.robot.model import BASE_DOF
 class StopConfig:
     """Hard stops at the joint ranges."""
 
-    stiffness: float = parameter(5.0e4, "stiffness of a hard stop", "N·m/rad", 0.0, 1e7)
-    damping: float = parameter(200.0, "damping of a hard stop", "N·m·s/rad", 0.0, 1e5)
+    stiffness: float = parameter(1.0e5, "stiffness of a hard stop", "N·m/rad", 0.0, 1e7)
+    damping: float = parameter(500.0, "damping of a hard stop", "N·m·s/rad", 0.0, 1e5)
 
 
 class Stops:
