@@ -20,7 +20,7 @@ BALANCED = 1e-10
 class StandingConfig:
     """Posture at time 0: feet parallel below the hips, trunk upright, forearms forward."""
 
-    hip_height: float = parameter(0.84, "height of the hips above ground", "m", 0.5, 0.9)
+    hip_height: float = parameter(0.84, "height of the hips above ground", "m", 0.5, 1.0)
     com_ahead: float = parameter(0.03, "centre of mass ahead of the ankles", "m", -0.04, 0.09)
     shoulder_pitch: float = parameter(0.0, "shoulder pitch, 0 = upper arm hangs", "rad", -1.5, 1.0)
     elbow: float = parameter(-1.5, "elbow angle, 0 = straight", "rad", -2.4, 0.0)
@@ -75,7 +75,7 @@ class _Stance:
         rows = []
         for sole, hip in zip(self.soles, self.hips, strict=True):
             pose = self.data.oMf[sole]
-            side_y = self.data.oMi[hip + 2].translation[1]
+            side_y = self.model.jointPlacements[hip + 2].translation[1]
             rows += [np.array([0.0, side_y, -sink]) - pose.translation, pin.log3(wanted @ pose.rotation.T)]
         hip_height = float(np.mean([self.data.oMi[hip + 2].translation[2] for hip in self.hips]))
         lower = self.config.hip_height - hip_height
@@ -87,9 +87,6 @@ class _Stance:
         rows = [
             pin.getFrameJacobian(self.model, self.data, sole, pin.LOCAL_WORLD_ALIGNED) for sole in self.soles
         ]
-        for sole_rows in rows:
-            # The lateral target moves with the hip, that is with the base.
-            sole_rows[1, 1] -= 1.0
         height = np.zeros((1, self.model.nv))
         height[0, 2] = 1.0
         full: Array = np.vstack((*rows, com[:2], height))
