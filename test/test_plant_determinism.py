@@ -33,9 +33,13 @@ def motion_hash(ticks=300, companion=False):
 def test_same_bits_in_another_process():
     program = "import test_plant_determinism as t; print('hash', t.motion_hash())"
     found = subprocess.run(
-        [sys.executable, "-c", program], cwd=Path(__file__).parent, capture_output=True, text=True, check=True,
+        [sys.executable, "-c", program],
+        cwd=Path(__file__).parent,
         env={**os.environ, "PYTHONHASHSEED": "7"},
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     lines = [line for line in found.stdout.splitlines() if line.startswith("hash ")]
     assert lines == [f"hash {motion_hash()}"]
 
