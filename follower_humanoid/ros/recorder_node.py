@@ -17,7 +17,14 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from follower_humanoid.bag.about import about_run, texts_in
 from follower_humanoid.bag.qos import offered_qos
-from follower_humanoid.bag.recorder import Arrival, Recorded, RecorderConfig, Recording, recorded_topics
+from follower_humanoid.bag.recorder import (
+    STATE,
+    Arrival,
+    Recorded,
+    RecorderConfig,
+    Recording,
+    recorded_topics,
+)
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.managed_node import FAILED, ManagedNode
@@ -48,7 +55,7 @@ class RecorderNode(ManagedNode):
         self._poll = self.create_timer(self.config.poll, self._visit, clock=self._wall)
         self._poll.cancel()
         self.create_timer(0.5, self._look_for_simulator, clock=self._wall)
-        self._seen_at: float | None = None
+        self._alone_since: float | None = None
 
     @property
     def subscriptions(self) -> Iterator[Any]:
@@ -145,14 +152,14 @@ class RecorderNode(ManagedNode):
         return name, offered or [offered_qos()]
 
     def _look_for_simulator(self) -> None:
-        """Ends the node when the simulator has been there and is gone."""
-        state = next((tap for topic, tap in self._taps if topic.name == "joint_states"), None)
-        if state is None:
-            return
-        now = time.monotonic()
-        if state.get_publisher_count():
-            self._seen_at = now
-        elif self._seen_at is not None and now - self._seen_at > _GONE:
+        """Ends the node when there have been states and nobody is left to send any."""
+        begun = self._recording is not None and self._recording.latest_stamp is not None
+        state = next((tap for topic, tap in self._taps if topic.name == STATE), None)
+        if not begun or state is None or state.get_publisher_count():
+            self._alone_since = None
+        elif self._alone_since is None:
+            self._alone_since = time.monotonic()
+        elif time.monotonic() - self._alone_since > _GONE:
             self.quit(0, "the simulator is gone")
 
     def _close(self) -> None:

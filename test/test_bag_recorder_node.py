@@ -1,0 +1,182 @@
+"""The recorder as a process: what is published lands in the bag, however it ends."""
+
+from __future__ import annotations
+
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rclpy
+from bag_messages import imu, joint_positions, joint_state, odometry, point, wrench
+from geometry_msgs.msg import PointStamped, WrenchStamped
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rosbags.highlevel import AnyReader
+from sensor_msgs.msg import Imu, JointState
+
+from follower_humanoid.bag.reader import read_run
+from follower_humanoid.ros.qos import LOCKSTEP, PEOPLE
+
+MESSAGES: dict[str, tuple[type, Any]] = {
+    "joint_states": (JointState, joint_state),
+    "odom": (Odometry, odometry),
+    "imu": (Imu, imu),
+    "left_foot/wrench": (WrenchStamped, lambda tick: wrench(tick, 300.0)),
+    "com": (PointStamped, point),
+}
+PATIENCE = 30.0
+
+
+class Graph:
+    """Publishes what a simulator would."""
+
+    def __init__(self, namespace: str = "") -> None:
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.node = Node("simulator", context=self.context, namespace=namespace)
+        self.publishers = {
+            name: self.node.create_publisher(kind, name, LOCKSTEP) for name, (kind, _) in MESSAGES.items()
+        }
+        self.person = self.node.create_publisher(WrenchStamped, "base/push", PEOPLE)
+
+    def wait_for_recorder(self) -> None:
+        deadline = time.monotonic() + PATIENCE
+        waiting = [*self.publishers.values(), self.person]
+        while any(publisher.get_subscription_count() == 0 for publisher in waiting):
+            assert time.monotonic() < deadline, "the recorder was not found"
+            time.sleep(0.02)
+
+    def publish(self, ticks: range, pause: float = 0.002) -> None:
+        for tick in ticks:
+            for name, (_, make) in MESSAGES.items():
+                self.publishers[name].publish(make(tick))
+            time.sleep(pause)
+
+    def close(self) -> None:
+        self.node.destroy_node()
+        rclpy.shutdown(context=self.context)
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    made = Graph()
+    yield made
+    made.close()
+
+
+def start_recorder(bag: Path, *options: str) -> subprocess.Popen[str]:
+    command = [
+        sys.executable,
+        "-m",
+        "follower_humanoid.nodes.recorder",
+        "--ros-args",
+        "-p",
+        f"bag:={bag}",
+        *options,
+    ]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+
+
+def end(process: subprocess.Popen[str], number: signal.Signals) -> int:
+    process.send_signal(number)
+    try:
+        return process.wait(10.0)
+    finally:
+        process.kill()
+
+
+def test_everything_published_is_in_the_bag(graph: Graph, tmp_path: Path) -> None:
+    about = tmp_path / "about.yaml"
+    about.write_text("programme: fig4\nparameters: {simulator: {seed: 3}}\n")
+    recorder = start_recorder(tmp_path / "run", "-p", f"about:={about}")
+    graph.wait_for_recorder()
+    graph.publish(range(300))
+    graph.person.publish(wrench(0, 5.0, "torso"))
+    time.sleep(0.3)
+    begin = time.monotonic()
+    assert end(recorder, signal.SIGTERM) == 0
+    assert time.monotonic() - begin < 3.0
+    run = read_run(tmp_path / "run")
+    assert run.notes == ()
+    for name in ("joint_states", "odom", "imu", "left_foot/wrench"):
+        assert run[name].ticks.tolist() == list(range(300)), name
+    assert run["com"].ticks.tolist() == list(range(0, 300, 5))
+    np.testing.assert_array_equal(run["joint_states"].position[123], joint_positions(123))
+    assert run["base/push"].texts["frame"] == ("torso",)
+    assert run.about["programme"] == "fig4"
+    assert "seed: 3" in run.about["parameters"]
+    assert "numpy" in run.about["versions.yaml"]
+    assert "<robot" in run.urdf
+    with AnyReader([tmp_path / "run"]) as reader:
+        qos = {c.topic: c.ext.offered_qos_profiles[0].reliability.name for c in reader.connections}
+    assert qos["/odom"] == "RELIABLE"
+    assert qos["/base/push"] == "BEST_EFFORT"
+
+
+def test_a_namespace_is_kept(tmp_path: Path) -> None:
+    graph = Graph("first")
+    try:
+        recorder = start_recorder(tmp_path / "named", "-r", "__ns:=/first")
+        graph.wait_for_recorder()
+        graph.publish(range(20))
+        time.sleep(0.2)
+        assert end(recorder, signal.SIGINT) == 0
+    finally:
+        graph.close()
+    assert len(read_run(tmp_path / "named", "first")["odom"]) == 20
+
+
+def test_the_bag_is_closed_when_the_simulator_dies(tmp_path: Path) -> None:
+    graph = Graph()
+    recorder = start_recorder(tmp_path / "lost")
+    graph.wait_for_recorder()
+    graph.publish(range(50))
+    graph.close()
+    assert recorder.wait(PATIENCE) == 0
+    assert len(read_run(tmp_path / "lost")["joint_states"]) == 50
+    assert (tmp_path / "lost" / "metadata.yaml").is_file()
+
+
+def test_a_killed_recorder_leaves_a_readable_file(graph: Graph, tmp_path: Path) -> None:
+    recorder = start_recorder(tmp_path / "killed")
+    graph.wait_for_recorder()
+    graph.publish(range(1000))
+    recorder.kill()
+    recorder.wait()
+    run = read_run(tmp_path / "killed")
+    assert len(run["joint_states"]) > 200
+    assert any("cut off" in note for note in run.notes)
+
+
+def test_a_taken_bag_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "taken").mkdir()
+    recorder = start_recorder(tmp_path / "taken")
+    _, errors = recorder.communicate(timeout=PATIENCE)
+    assert recorder.returncode == 2
+    assert "exists already" in errors
+    assert "Traceback" not in errors
+    assert list((tmp_path / "taken").iterdir()) == []
+
+
+def test_a_full_disk_ends_the_recording_and_says_so(graph: Graph, tmp_path: Path) -> None:
+    recorder = start_recorder(tmp_path / "full")
+    graph.wait_for_recorder()
+    resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
+    for tick in range(10_000):
+        graph.publish(range(tick, tick + 1))
+        if recorder.poll() is not None:
+            break
+    _, errors = recorder.communicate(timeout=PATIENCE)
+    assert recorder.returncode == 1
+    assert "File too large" in errors
+    assert "Traceback" not in errors
+    run = read_run(tmp_path / "full")
+    assert len(run["joint_states"]) > 200
+    assert any("cut off" in note for note in run.notes)
