@@ -12,9 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
+from follower_humanoid.control.arms import ArmController, ArmControllerConfig
+from follower_humanoid.control.hand_task import HandKinematics
 from follower_humanoid.control.motor_inverse import MotorInverse, MotorModel
 from follower_humanoid.core.samples import SIDES, Array, Inertial, Joints, Odometry, Side, Wrench
 from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.sensing.hand_wrench import HandWrenchConfig, HandWrenchSensing
 
 STEP = 0.001
 TICK = 0.002
@@ -28,6 +31,30 @@ def at_rest(time: float) -> Array:
     return np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
 
 
+def smooth(time: float, rise: float = 1.0) -> float:
+    """From 0 to 1 with continuous acceleration."""
+    u = min(max(time / rise, 0.0), 1.0)
+    return u**3 * (10 - 15 * u + 6 * u * u)
+
+
+def swaying(time: float) -> Array:
+    """A pelvis that sways, bobs, tilts and turns faster than in walking at 1.2 s per stride."""
+    a, w = smooth(time), 2 * np.pi / 1.2
+    sway, bob = a * np.sin(w * time), a * np.sin(2 * w * time)
+    return np.array([0.02 * bob, 0.04 * sway, 0.9 + 0.015 * bob, 0.1 * sway, 0.03 * bob, 0.03 * sway])
+
+
+def bending(time: float) -> Array:
+    """A trunk that follows, shape (15,)."""
+    return 0.015 * smooth(time) * np.sin(2 * np.pi / 1.2 * time) * np.ones(15)
+
+
+def turning(time: float) -> Array:
+    """Walks on and turns by 36.87 degrees within 7 s."""
+    sway = 0.03 * np.sin(time) * smooth(time)
+    return np.array([0.15 * time, sway, 0.9, 0.6435 * smooth(time, 7.0), 0.0, 0.0])
+
+
 def carrying(robot: RobotModel) -> Array:
     """Joint positions with both forearms forward, shape (45,)."""
     position = np.zeros(45)
@@ -38,6 +65,20 @@ def carrying(robot: RobotModel) -> Array:
     return position
 
 
+def random_jacobians(seed: int) -> Array:
+    """Jacobians of both hands at random arm postures away from singularities, shape (40, 3, 7)."""
+    robot, rng = RobotModel(), np.random.default_rng(seed)
+    kinematics = HandKinematics(robot)
+    found = []
+    while len(found) < 40:
+        position = rng.uniform(robot.lower, robot.upper)
+        q = np.concatenate(([0, 0, 0.9, 0, 0, 0, 1], position))
+        for jacobian in kinematics.motion(q, np.zeros(51)).jacobian:
+            if np.linalg.svd(jacobian, compute_uv=False)[-1] > 0.09:
+                found.append(jacobian)
+    return np.array(found[:40])
+
+
 @dataclass
 class Bench:
     """State and one tick of integration."""
@@ -46,6 +87,8 @@ class Bench:
     base: BaseMotion = at_rest
     trunk: Callable[[float], Array] | None = None
     motor: MotorModel = field(default_factory=MotorModel)
+    tick_length: float = TICK
+    position: Array | None = None
 
     def __post_init__(self) -> None:
         self.model = self.robot.pin_model
@@ -53,7 +96,8 @@ class Bench:
         self.arms = self.robot.groups.arms
         self.motors = MotorInverse(self.motor, self.robot, self.arms)
         self.time = 0.0
-        self.position = carrying(self.robot)
+        if self.position is None:
+            self.position = carrying(self.robot)
         self.arm_velocity = np.zeros(14)
         self.hand = {side: self.model.getJointId(f"{PREFIX[side]}_wrist_roll") for side in SIDES}
         self.gripper = {side: self.robot.frame_id(f"{PREFIX[side]}_gripper") for side in SIDES}
@@ -65,6 +109,8 @@ class Bench:
 
     def _rest(self, time: float) -> tuple[Array, Array, Array]:
         """Full q, v, v̇ with the prescribed parts; the arms' velocity as it is, their v̇ zero."""
+        if self.base is at_rest and self.trunk is None:
+            return self._at_rest(time)
         h = 1e-4
 
         def pose(t: float) -> pin.SE3:
@@ -84,6 +130,12 @@ class Bench:
             a[6 + index] = (self.trunk(time + h) - 2 * self.trunk(time) + self.trunk(time - h)) / h**2
         v[6 + self.arms] = self.arm_velocity
         return q, v, a
+
+    def _at_rest(self, time: float) -> tuple[Array, Array, Array]:
+        """As `_rest` for a base that does not move, without differentiating it."""
+        v = np.zeros(51)
+        v[6 + self.arms] = self.arm_velocity
+        return np.concatenate((self.base(time)[:3], [0, 0, 0, 1], self.position)), v, np.zeros(51)
 
     def state(self) -> tuple[Joints, Odometry, Inertial]:
         q, v, a = self._rest(self.time)
@@ -111,7 +163,7 @@ class Bench:
     def tick(self, voltage: Array, force: dict[Side, Array]) -> None:
         """One control tick with held voltages (14) and forces [N] in world at the grippers."""
         self.peak_voltage = max(self.peak_voltage, float(np.abs(voltage).max()))
-        steps = round(TICK / STEP)
+        steps = round(self.tick_length / STEP)
         for side in SIDES:
             self.readings[side] = np.zeros(6)
         rows = 6 + self.arms
@@ -149,3 +201,78 @@ class Bench:
                 external = pin.Force(local, np.cross(offset, local))
             reaction = (self.data.f[self.hand[side]] - external).vector
             self.readings[side] = self.readings[side] - share * reaction
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What a bench run did, one row per tick, left hand first.
+
+    Attributes:
+        time: Shape (T,).
+        shift: Hands relative to their first places, pelvis-yaw axes, shape (T, 2, 3).
+        sensed: Sensed wrenches, shape (T, 2, 6).
+        applied: Applied forces, shape (T, 2, 3).
+        arm_velocity: Shape (T, 14).
+        voltage: Shape (T, 14).
+    """
+
+    time: Array
+    shift: Array
+    sensed: Array
+    applied: Array
+    arm_velocity: Array
+    voltage: Array
+
+    @property
+    def left(self) -> Array:
+        """Shift of the left hand [m]."""
+        return self.shift[:, 0]
+
+    @property
+    def right(self) -> Array:
+        """Shift of the right hand [m]."""
+        return self.shift[:, 1]
+
+
+Forces = Callable[[float], dict[Side, Array]]
+
+
+def nobody(time: float) -> dict[Side, Array]:
+    return {}
+
+
+def on_left(*force: float) -> Forces:
+    """A constant force on the left hand from time 0 on."""
+    return lambda time: {Side.LEFT: np.array(force)}
+
+
+def run_arms(
+    bench: Bench, seconds: float, forces: Forces = nobody, config: ArmControllerConfig | None = None
+) -> Trace:
+    """Arm controller and wrench sensing on the bench, wired as in the graph."""
+    period = bench.tick_length
+    sensing = HandWrenchSensing(HandWrenchConfig(), bench.robot, period)
+    controller = ArmController(config or ArmControllerConfig(), bench.robot, period)
+    first = np.array([bench.hand_place(side) for side in SIDES])
+    sensed, rows = None, []
+    for _ in range(round(seconds / period)):
+        joints, odometry, imu = bench.state()
+        left, right = (sensed.left_hand, sensed.right_hand) if sensed else (None, None)
+        inputs = ArmController.Inputs(joints, odometry, imu, left, right)
+        command = controller.step(inputs, bench.time).command
+        wrists = (bench.wrist(side) for side in SIDES)
+        sensed = sensing.step(HandWrenchSensing.Inputs(joints, odometry, *wrists), bench.time)
+        wrenches = (sensed.left_hand, sensed.right_hand)
+        force = forces(bench.time)
+        rows.append(
+            (
+                bench.time,
+                np.array([bench.hand_place(side) for side in SIDES]) - first,
+                np.array([np.concatenate((wrench.force, wrench.torque)) for wrench in wrenches]),
+                np.array([force.get(side, np.zeros(3)) for side in SIDES]),
+                bench.arm_velocity,
+                command.effort,
+            )
+        )
+        bench.tick(command.effort, force)
+    return Trace(*(np.array(column) for column in zip(*rows, strict=True)))

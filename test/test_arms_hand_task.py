@@ -1,0 +1,93 @@
+"""Equations (17), (18) corrected: places relative to the pelvis, Jacobians, return to the place."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from follower_humanoid.control.hand_task import HandKinematics, limited_return, return_velocity
+from follower_humanoid.robot.model import RobotModel
+
+
+@pytest.fixture(scope="module")
+def robot() -> RobotModel:
+    return RobotModel()
+
+
+def random_state(robot: RobotModel, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    tangent = rng.uniform(-0.5, 0.5, 51)
+    tangent[5] = rng.uniform(-3, 3)
+    return pin.integrate(robot.pin_model, pin.neutral(robot.pin_model), tangent), rng.normal(size=51)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_place_rate_is_the_derivative_of_the_place(robot: RobotModel, seed: int) -> None:
+    q, v = random_state(robot, seed)
+    kinematics, h = HandKinematics(robot), 1e-6
+    after = kinematics.motion(pin.integrate(robot.pin_model, q, h * v), v).place
+    before = kinematics.motion(pin.integrate(robot.pin_model, q, -h * v), v).place
+    np.testing.assert_allclose(kinematics.motion(q, v).place_rate, (after - before) / (2 * h), atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_jacobian_against_finite_differences(robot: RobotModel, seed: int) -> None:
+    q, v = random_state(robot, 10 + seed)
+    kinematics, h = HandKinematics(robot), 1e-6
+    motion = kinematics.motion(q, v)
+    for hand, arm in enumerate((robot.groups.left_arm, robot.groups.right_arm)):
+        for column, joint in enumerate(arm):
+            step = np.zeros(51)
+            step[6 + joint] = h
+            after = kinematics.motion(pin.integrate(robot.pin_model, q, step), v).place[hand]
+            before = kinematics.motion(pin.integrate(robot.pin_model, q, -step), v).place[hand]
+            np.testing.assert_allclose(
+                motion.jacobian[hand, :, column], (after - before) / (2 * h), atol=1e-7
+            )
+
+
+def test_carried_is_what_remains_with_the_arms_frozen(robot: RobotModel) -> None:
+    q, v = random_state(robot, 20)
+    frozen = v.copy()
+    frozen[6 + robot.groups.arms] = 0.0
+    kinematics = HandKinematics(robot)
+    np.testing.assert_allclose(
+        kinematics.motion(q, v).carried, kinematics.motion(q, frozen).place_rate, atol=1e-12
+    )
+
+
+def test_translation_and_turning_of_the_body_move_no_place(robot: RobotModel) -> None:
+    """Equation (18) with the offset turned by the base yaw: x_d = R_yaw x_dist + r_base."""
+    kinematics, rng = HandKinematics(robot), np.random.default_rng(21)
+    position = rng.uniform(-0.3, 0.3, 45)
+    motions = []
+    for yaw, base in ((0.0, [0, 0, 0.9]), (np.radians(36.87), [2.0, -1.0, 0.8])):
+        q = np.concatenate((base, [0, 0, np.sin(yaw / 2), np.cos(yaw / 2)], position))
+        v = np.concatenate(([0.3, 0.1, 0.05, 0, 0, 0.7], np.zeros(45)))
+        motions.append((q, kinematics.motion(q, v)))
+    (_, first), (base_turned, turned) = motions
+    np.testing.assert_allclose(turned.place, first.place, atol=1e-12)
+    np.testing.assert_allclose(turned.place_rate, 0, atol=1e-12)
+    offset = first.yaw_to_world @ first.place[0]
+    with_turned_offset = turned.yaw_to_world @ first.place[0] + base_turned[:3]
+    with_fixed_offset = offset + base_turned[:3]
+    missed = np.linalg.norm(with_turned_offset[:2] - with_fixed_offset[:2])
+    radius = np.linalg.norm(first.place[0, :2])
+    assert missed == pytest.approx(2 * radius * np.sin(np.radians(36.87) / 2)), "what (18) in print misses"
+
+
+def test_return_velocity_leads_back() -> None:
+    shift = np.array([0.05, 0.0, -0.01])  # the hand is ahead of and below its place
+    velocity = return_velocity(-shift, np.zeros(3), 0.8, 0.1)
+    np.testing.assert_allclose(velocity, [-0.04, 0, 0.008])
+    moving_away = return_velocity(np.zeros(3), np.array([-1.0, 0, 0]), 0.8, 0.1)
+    np.testing.assert_allclose(moving_away, [-0.1, 0, 0])
+
+
+def test_return_stops_at_its_force_limit_and_lets_go_of_it() -> None:
+    limit = np.array([60.0, 60.0, 200.0])
+    velocity = np.array([-0.1, 0.1, 0.1])
+    np.testing.assert_array_equal(
+        limited_return(velocity, np.array([-61.0, -61.0, 150.0]), limit), [0.0, 0.1, 0.1]
+    )

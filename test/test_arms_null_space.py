@@ -1,0 +1,64 @@
+"""Inverse of the hand's Jacobian: eq. (6), projector, bounds near singularities."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arms_bench import random_jacobians
+
+from follower_humanoid.control.null_space import task_inverse
+
+THRESHOLD, DAMPING = 0.08, 0.05
+
+
+def test_away_from_singularities_it_is_the_right_pseudo_inverse() -> None:
+    jacobian = random_jacobians(1)
+    inverse, null = task_inverse(jacobian, THRESHOLD, DAMPING)
+    transposed = jacobian.swapaxes(-1, -2)
+    np.testing.assert_allclose(inverse, transposed @ np.linalg.inv(jacobian @ transposed), atol=1e-10)
+    np.testing.assert_allclose(jacobian @ null, 0, atol=1e-12)
+    np.testing.assert_allclose(null @ null, null, atol=1e-12)
+    np.testing.assert_allclose(null, null.swapaxes(-1, -2), atol=1e-12)
+    np.testing.assert_allclose(np.trace(null, axis1=1, axis2=2), 4.0, atol=1e-10)
+
+
+def test_equation_6_moves_the_hand_as_asked_whatever_the_null_space_wants() -> None:
+    jacobian, rng = random_jacobians(2), np.random.default_rng(2)
+    inverse, null = task_inverse(jacobian, THRESHOLD, DAMPING)
+    wanted = rng.normal(size=(len(jacobian), 3, 1))
+    one, other = rng.normal(size=(2, len(jacobian), 7, 1))
+    velocity = inverse @ wanted + null @ one
+    np.testing.assert_allclose(jacobian @ velocity, wanted, atol=1e-11)
+    np.testing.assert_allclose(jacobian @ (null @ (other - one)), 0, atol=1e-11)
+
+
+def test_bounded_at_and_near_singularities() -> None:
+    rng = np.random.default_rng(3)
+    left, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    right, _ = np.linalg.qr(rng.normal(size=(7, 3)))
+    for smallest in (0.0, 1e-12, 1e-6, 1e-3, 0.02, 0.079):
+        jacobian = left @ np.diag([0.5, 0.3, smallest]) @ right.T
+        inverse, null = task_inverse(jacobian, THRESHOLD, DAMPING)
+        assert np.linalg.norm(inverse, 2) <= 1 / THRESHOLD + 1 / (2 * DAMPING)
+        assert np.linalg.eigvalsh(null).min() > -1e-12
+        assert np.linalg.eigvalsh(null).max() < 1 + 1e-12
+
+
+def test_a_lost_direction_passes_to_the_null_space() -> None:
+    jacobian = np.zeros((3, 7))
+    jacobian[0, 0] = jacobian[1, 1] = 0.4
+    _, null = task_inverse(jacobian, THRESHOLD, DAMPING)
+    np.testing.assert_allclose(np.diag(null), [0, 0, 1, 1, 1, 1, 1], atol=1e-12)
+
+
+@pytest.mark.parametrize("edge", [THRESHOLD])
+def test_damping_sets_in_continuously(edge: float) -> None:
+    def gain(sigma: float) -> float:
+        jacobian = np.zeros((3, 7))
+        jacobian[0, 0] = jacobian[1, 1] = 0.4
+        jacobian[2, 2] = sigma
+        return float(task_inverse(jacobian, THRESHOLD, DAMPING).inverse[2, 2])
+
+    assert gain(edge + 1e-9) == pytest.approx(gain(edge - 1e-9), rel=1e-5)
+    gains = [gain(sigma) for sigma in np.linspace(0, 2 * edge, 200)]
+    assert np.abs(np.diff(gains)).max() < 0.4

@@ -1,0 +1,43 @@
+"""Acceleration of base and joints from IMU and joint velocities."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms_bench import TICK, Bench, bending, swaying
+
+from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.sensing.body_acceleration import BodyAcceleration
+
+
+@pytest.fixture(scope="module")
+def robot() -> RobotModel:
+    return RobotModel()
+
+
+def test_it_is_the_derivative_of_the_velocity_vector(robot: RobotModel) -> None:
+    bench = Bench(robot, swaying, bending)
+    estimate = BodyAcceleration(robot, TICK, 0.0)
+    errors = []
+    before = None
+    for _ in range(800):
+        joints, odometry, imu = bench.state()
+        v = robot.velocity(odometry, joints.velocity)
+        rate = estimate.step(v, imu, pin.Quaternion(odometry.quat_xyzw).matrix())
+        if before is not None:
+            errors.append(rate - (v - before) / TICK)
+        before = v
+        bench.time += TICK
+    errors = np.array(errors)
+    assert np.abs(errors[:, :3]).max() < 0.05, "half a tick apart"
+    assert np.abs(errors[:, 3:]).max() < 1e-9
+
+
+def test_at_rest_it_is_zero_whatever_the_tilt(robot: RobotModel) -> None:
+    bench = Bench(robot, base=lambda time: np.array([1.0, 2.0, 0.9, 0.4, 0.1, -0.2]))
+    joints, odometry, imu = bench.state()
+    rate = BodyAcceleration(robot, TICK, 0.01).step(
+        robot.velocity(odometry, joints.velocity), imu, pin.Quaternion(odometry.quat_xyzw).matrix()
+    )
+    np.testing.assert_allclose(rate, 0, atol=1e-9)
