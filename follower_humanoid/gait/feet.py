@@ -46,6 +46,7 @@ class FootstepConfig:
     stance_width: float = parameter(0.18, "distance between the sole centre lines", "m", 0.14, 0.4)
     turn_per_step: float = parameter(0.40, "largest yaw of a landing foot against the stance foot", "rad", 0, 0.8)
     turn_inward: float = parameter(0.25, "largest toe-in of a landing foot against the stance foot", "rad", 0, 0.6)
+    turn_spread: float = parameter(0.20, "extra width per yaw between the feet, room for the swing foot", "m/rad", 0, 1)
 
 
 def wrap_angle(angle: float) -> float:
@@ -75,7 +76,8 @@ def landing_pose(stance: FootPose, gait: Gait, config: FootstepConfig) -> FootPo
     length = config.half_step_length * gait.step_length if gait.walk_speed > 0.0 else 0.0
     travel = gait.walk_dir - gait.heading
     forward, sideways = length * math.cos(travel), length * math.sin(travel)
-    lateral = side.sign * config.stance_width + (sideways if sideways * side.sign > 0.0 else 0.0)
+    width = config.stance_width + config.turn_spread * abs(wrap_angle(yaw - stance.yaw))
+    lateral = side.sign * width + (sideways if sideways * side.sign > 0.0 else 0.0)
     origin = FootPose(side, stance.x, stance.y, yaw, stance.z)
     x, y = origin.point(forward, lateral)
     return FootPose(side, float(x), float(y), yaw, stance.z)
