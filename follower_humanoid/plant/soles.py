@@ -23,8 +23,8 @@ from follower_humanoid.robot.model import BASE_DOF, RobotModel
 
 PER_FOOT = 6
 POINTS = 2 * PER_FOOT
-# How far slipping points may be from the cone (share, and [N]) before a step is solved again.
-CONE_SHARE, CONE_FORCE = 1e-3, 1e-6
+# How far friction may be from the cone (share, and [N]) before a step is solved again.
+CONE_SHARE, CONE_FORCE = 0.01, 0.2
 
 
 @dataclass(frozen=True)
@@ -197,10 +197,11 @@ class Soles:
         self.force = force
         normal = force[:, 2]
         cone = self._ground.friction * normal
-        pulls = _squares(force)
-        wrong = (normal < 0.0) | (pulls > cone * cone * (1.0 + 2.0 * CONE_SHARE) + CONE_FORCE)
+        pull = np.sqrt(_squares(force))
+        margin = CONE_SHARE * cone + CONE_FORCE
+        wrong = (normal < 0.0) | (pull > cone + margin)
         if self._any_slipping:
-            wrong |= self._slipping & (np.sqrt(pulls) < cone * (1.0 - CONE_SHARE) - CONE_FORCE)
+            wrong |= self._slipping & (pull < cone - margin)
         if not np.count_nonzero(wrong):
             return True
         self._reconsider(force)
