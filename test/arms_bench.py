@@ -89,6 +89,7 @@ class Bench:
     motor: MotorModel = field(default_factory=MotorModel)
     tick_length: float = TICK
     position: Array | None = None
+    held: dict[Side, Array] = field(default_factory=dict)  # forces that act before time 0 already
 
     def __post_init__(self) -> None:
         self.model = self.robot.pin_model
@@ -105,7 +106,7 @@ class Bench:
         self.peak_voltage = 0.0
         q, v, a = self._rest(self.time)
         v[6 + self.arms] = 0.0
-        self._read_wrists(q, v, a, {}, 1.0)
+        self._read_wrists(q, v, a, self.held, 1.0)
 
     def _rest(self, time: float) -> tuple[Array, Array, Array]:
         """Full q, v, v̇ with the prescribed parts; the arms' velocity as it is, their v̇ zero."""

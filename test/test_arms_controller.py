@@ -81,6 +81,12 @@ def test_return_time_constant_is_one_plus_differential_over_proportional(robot: 
     assert -1 / decay == pytest.approx((1 + 0.1) / 0.8, rel=0.1)
 
 
+def test_an_object_held_from_the_start_does_not_sag(robot: RobotModel) -> None:
+    weight = {Side.LEFT: np.array([0.0, 0.0, -50.0])}
+    trace = run_arms(Bench(robot, held=weight), 1.5, lambda time: weight)
+    assert np.abs(trace.left).max() < 1 * MILLIMETRE
+
+
 def test_without_force_the_hands_stay(robot: RobotModel) -> None:
     trace = run_arms(Bench(robot), 1.0, nobody)
     assert np.abs(trace.shift).max() < 1e-6

@@ -118,6 +118,7 @@ class _Reference:
             v_ref, shape (2, 3) [m].
         velocity: q̇_d of the last tick, shape (2, 7) [rad/s]; None before the first.
         saturated: Which arm has a motor at its voltage limit, shape (2,).
+        loaded: Whose first wrench has come, shape (2,).
     """
 
     place: Array
@@ -125,6 +126,7 @@ class _Reference:
     virtual: Array
     velocity: Array | None
     saturated: NDArray[np.bool_]
+    loaded: NDArray[np.bool_]
 
 
 class ArmController:
@@ -162,10 +164,14 @@ class ArmController:
         position = inputs.joints.position[self._arms].reshape(2, 7)
         velocity = inputs.joints.velocity[self._arms].reshape(2, 7)
         if self._reference is None:
-            self._reference = _Reference(hands.place, position, hands.place, None, np.zeros(2, dtype=bool))
+            nothing = np.zeros(2, dtype=bool)
+            self._reference = _Reference(
+                hands.place, position, hands.place.copy(), None, nothing, nothing.copy()
+            )
         reference = self._reference
         inverse = task_inverse(hands.jacobian, self._config.singular_threshold, self._config.singular_damping)
         wrenches = (inputs.left_hand, inputs.right_hand)
+        self._take_load(reference, hands, wrenches)
 
         back = self._return_velocity(reference, hands)
         desired_velocity = self._desired_velocity(back, reference, hands, inverse, position)
@@ -186,6 +192,17 @@ class ArmController:
         reference.velocity = desired_velocity
         reference.saturated[:] = saturated.reshape(2, 7).any(axis=1)
         return ArmControllerOutputs(Joints(held.ravel(), desired_velocity.ravel(), voltage))
+
+    def _take_load(
+        self, reference: _Reference, hands: HandMotion, wrenches: tuple[Wrench | None, Wrench | None]
+    ) -> None:
+        """Lets the springs carry the first force measured: the robot starts with the object in hand."""
+        for hand, wrench in enumerate(wrenches):
+            if wrench is not None and not reference.loaded[hand]:
+                force = wrench.force @ hands.yaw_to_world
+                carried = np.clip(force, -self._return_force, self._return_force)
+                reference.virtual[hand] -= carried / self._impedance.stiffness
+                reference.loaded[hand] = True
 
     def _return_velocity(self, reference: _Reference, hands: HandMotion) -> Array:
         """v_ref of eqs. (17), (18), shape (2, 3) [m/s]; stops where it would only wind up."""
