@@ -1,0 +1,1 @@
+"""Figures of a run, shared by the report and the viewer."""
