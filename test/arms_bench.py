@@ -192,6 +192,7 @@ class Bench:
 
     def _read_wrists(self, q: Array, v: Array, a: Array, force: dict[Side, Array], share: float) -> None:
         pin.rnea(self.model, self.data, q, v, a)
+        pin.forwardKinematics(self.model, self.data, q)  # rnea leaves the joints' world placements alone
         pin.updateFramePlacements(self.model, self.data)
         for side in SIDES:
             placement = self.data.oMi[self.hand[side]]
