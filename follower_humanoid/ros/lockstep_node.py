@@ -247,7 +247,7 @@ class LockStepNode(ManagedNode):
             for missing in given_up:
                 self.logger.warning(f"no {missing}: its newest message is held from now on")
             self.run_ready_steps()
-        elif self.graph.watchdog and waited > self.graph.watchdog and self._steps:
+        elif self.graph.watchdog and waited > self.graph.watchdog and self._steps > 1:
             self.stalled(waited, "; ".join(str(missing) for missing in self.lock.missing()))
 
     def stalled(self, waited: float, missing: str) -> None:

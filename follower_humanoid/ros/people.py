@@ -24,6 +24,9 @@ class PeopleWrench:
 
     Attributes:
         topic: Its name.
+        lockstepped: True where the built-in leader publishes here too.
+        now: Gives the simulated time [s].
+        publishers: Gives the number of publishers.
     """
 
     def __init__(
@@ -41,6 +44,7 @@ class PeopleWrench:
         self._tick_ns = tick_ns
         self._grip = Grip(config.people_timeout, config.people_release)
         self._knows_frame, self._warn, self._reject = knows_frame, warn, reject
+        self.lockstepped = False
         self._leader: dict[int, bytes] = {}
         self.now: Callable[[], float] = lambda: 0.0
         self.publishers: Callable[[], int] = lambda: 1
@@ -54,7 +58,7 @@ class PeopleWrench:
     def receive(self, data: bytes) -> None:
         """Takes a message from anybody."""
         several = self.publishers() > 1
-        if self._leader and (not several or self._is_leaders(data)):
+        if self.lockstepped and (not several or self._is_leaders(data)):
             return
         try:
             wrench = self._codec.decode(data)
@@ -72,10 +76,12 @@ class PeopleWrench:
         if tick in self._leader:
             return self._leader[tick] == data
         # The copy for the lock-step may come after this one, by a period of the leader at most.
-        newest = max(self._leader)
+        newest = max(self._leader, default=-1)
         return newest < tick <= newest + 2 * NODES[LEADER].period
 
     def at(self, time: float) -> Wrench | None:
         """What people do at a simulated time [s]; None when nobody holds on."""
+        if not self._grip.received:
+            return None
         wrench = self._grip.at(time)
         return None if wrench is ZERO else wrench

@@ -68,7 +68,8 @@ class SimulatorNode(LockStepNode):
         subscription = self.make_subscription(codec.message_type, topic, person.receive, PEOPLE)
         person.publishers = subscription.get_publisher_count
         person.now = lambda: self.lock.tick * self.graph.tick
-        if topic in self.lock.topics:
+        person.lockstepped = topic in self.lock.topics
+        if person.lockstepped:
             self.make_subscription(codec.message_type, topic, person.note_leader)
         return person
 
