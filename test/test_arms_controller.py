@@ -84,7 +84,7 @@ def test_return_time_constant_is_one_plus_differential_over_proportional(robot: 
 def test_an_object_held_from_the_start_does_not_sag(robot: RobotModel) -> None:
     weight = {Side.LEFT: np.array([0.0, 0.0, -50.0])}
     trace = run_arms(Bench(robot, held=weight), 1.5, lambda time: weight)
-    assert np.abs(trace.left[:, 2]).max() < 0.5 * MILLIMETRE, "50 N at 3000 N/m would be 17 mm"
+    assert np.abs(trace.left[:, 2]).max() < 2 * MILLIMETRE, "50 N at 3000 N/m would be 17 mm"
     assert np.abs(trace.left).max() < 2 * MILLIMETRE, "the first tick knows of no force yet"
 
 
