@@ -26,6 +26,7 @@ class BulletRobot:
         q, v: Configuration (52,) and velocity (51,), as in `RobotModel`; renewed in place by `read`.
         rotation: Base to world, shape (3, 3).
         base_velocity: Of the base_link origin, in world axes, shape (3,) [m/s].
+        base_spin: Of the base, in world axes, shape (3,) [rad/s].
         center_in_base: The base link's own centre of mass in base_link, shape (3,) [m].
     """
 
@@ -56,7 +57,7 @@ class BulletRobot:
         self._principal_axes = pin.Quaternion(np.array(info[4])).toRotationMatrix()
         self._aligned = bool(np.array_equal(self._principal_axes, np.eye(3)))
         self.q, self.v = np.zeros(7 + len(joint_names)), np.zeros(BASE_DOF + len(joint_names))
-        self.rotation, self.base_velocity = np.eye(3), np.zeros(3)
+        self.rotation, self.base_velocity, self.base_spin = np.eye(3), np.zeros(3), np.zeros(3)
         self.read()
 
     def place(self, q: Array, v: Array) -> None:
@@ -98,10 +99,10 @@ class BulletRobot:
         center = rotation @ self.center_in_base
         q[:3] = position
         q[:3] -= center
-        turning = np.array(spin)
-        self.base_velocity = np.array(linear) - cross(turning, center)
+        self.base_spin = np.array(spin)
+        self.base_velocity = np.array(linear) - cross(self.base_spin, center)
         v[:3] = self.base_velocity @ rotation
-        v[3:6] = turning @ rotation
+        v[3:6] = self.base_spin @ rotation
 
     def dof_order(self) -> Indices:
         """Where each of the 45 joints stands among PyBullet's own degrees of freedom."""

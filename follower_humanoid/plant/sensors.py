@@ -69,14 +69,17 @@ class Sensors:
         self._soles = [plant.model.frames[plant.robot.frame_id(f"{side.prefix}_sole")] for side in SIDES]
         wrists = [plant.model.frames[plant.robot.frame_id(f"{side.prefix}_wrist")] for side in SIDES]
         self._wrist_joints = [int(frame.parentJoint) for frame in wrists]
-        # Sensor axes in the frame of the last wrist joint: the same, unless a URDF says otherwise.
-        self._wrist_places = [frame.placement for frame in wrists]
+        # The sensor's frame is that of the last wrist joint, unless a URDF puts it elsewhere.
+        self._displaced = {
+            hand: frame.placement for hand, frame in enumerate(wrists) if not frame.placement.isIdentity()
+        }
         # Views of Pinocchio's memory: they follow its algorithms.
         self._wrist_forces = [self._data.f[joint].vector for joint in self._wrist_joints]
         self._feet, self._wrists = np.zeros((2, 6)), np.zeros((2, 6))
         self._specific_force = np.zeros(3)
         self._count = 0
-        self._q, self._v, self._rotation = plant.q.copy(), plant.v.copy(), plant.rotation
+        self._q, self._v = plant.q.copy(), plant.v.copy()
+        self._rotation, self._spin = plant.rotation, plant.bullet.base_spin
         self._biases = {
             name: np.array(getattr(config, name))
             for name in ("left_wrist_bias", "right_wrist_bias", "gyro_bias", "accelerometer_bias")
@@ -93,7 +96,7 @@ class Sensors:
         """Remembers the state at which the forces of the coming physics step act."""
         self._q[:] = self._plant.q
         self._v[:] = self._plant.v
-        self._rotation = self._plant.rotation
+        self._rotation, self._spin = self._plant.rotation, self._plant.bullet.base_spin
 
     def after_step(self, pulls: tuple[Pull, ...] = ()) -> None:
         """Adds one physics step and what people did in it."""
@@ -120,11 +123,11 @@ class Sensors:
     def _mean_acceleration(self) -> Array:
         """What the body really did in the last step, shape (51,); feels Bullet's contacts too."""
         plant = self._plant
-        turn, spin = self._rotation, self._v[3:6]
-        mean: Array = (plant.v - self._v) / plant.world.step_length
-        spin_in_world = plant.rotation @ plant.v[3:6]
-        mean[3:6] = (spin_in_world @ turn - spin) / plant.world.step_length
-        mean[:3] = plant.base_acceleration @ turn - cross(spin, self._v[:3])
+        mean: Array = plant.v - self._v
+        mean[3:6] = (plant.bullet.base_spin - self._spin) @ self._rotation
+        mean /= plant.world.step_length
+        mean[:3] = plant.base_acceleration @ self._rotation
+        mean[:3] -= cross(self._v[3:6], self._v[:3])
         return mean
 
     def at_rest(self) -> None:
@@ -182,10 +185,12 @@ class Sensors:
         return feet
 
     def _read_wrist(self, hand: int, bias: Array) -> Wrench:
-        wrench = self._wrist_places[hand].actInv(pin.Force(self._wrists[hand] / self._count))
+        mean = self._wrists[hand] / self._count
+        if hand in self._displaced:
+            mean = self._displaced[hand].actInv(pin.Force(mean)).vector
         return Wrench(
-            self._noisy(wrench.linear + bias, self._config.wrist_force_noise),
-            self._noisy(wrench.angular, self._config.wrist_torque_noise),
+            self._noisy(mean[:3] + bias, self._config.wrist_force_noise),
+            self._noisy(mean[3:], self._config.wrist_torque_noise),
         )
 
     def _noisy(self, value: Array, deviation: float) -> Array:
