@@ -4,9 +4,11 @@ import numpy as np
 import pinocchio as pin
 import pybullet
 import pytest
-from plant_bench import HIGH_UP, plant_from
+from plant_bench import HIGH_UP, plant_from, robot
 
 from follower_humanoid.plant.robot_plant import Pull
+from follower_humanoid.plant.simulator import Simulator
+from follower_humanoid.robot.model import RobotModel
 
 SEEDS = range(4)
 
@@ -90,9 +92,16 @@ def test_same_mass_in_both(simulator):
     assert sum(masses) == pytest.approx(sum(i.mass for i in plant.model.inertias), rel=1e-12)
 
 
-def test_prediction_is_what_bullet_does():
-    """With soles, motors, pulls and torques at once, the solution is the engine's acceleration."""
-    simulator = plant_from({})
+@pytest.mark.parametrize("turned", [False, True])
+def test_prediction_is_what_bullet_does(turned, tmp_path):
+    """With soles, motors, pulls and torques at once, the solution is the engine's acceleration.
+
+    Turned: a URDF whose base has its principal axes elsewhere, as PyBullet's base frame then has.
+    """
+    path = tmp_path / "turned.urdf"
+    rpy = 'rpy="0.3 -0.2 0.5"' if turned else 'rpy="0 0 0"'
+    path.write_text(robot().urdf.replace('rpy="0 0 0"', rpy, 1), encoding="utf-8")
+    simulator = Simulator(Simulator.Config(), RobotModel(str(path)), 0.002)
     plant = simulator.plant
     frames = [plant.robot.frame_id(name) for name in ("l_gripper", "r_gripper", "base_link")]
     random = np.random.default_rng(5)
