@@ -26,7 +26,7 @@ from follower_humanoid.robot.model import RobotModel
 class MotorModel:
     """Nominal motor data of the controllers: one motor for all joints, two gears."""
 
-    resistance: float = parameter(0.608, "terminal resistance R", "Ω", 0.01, 10.0)
+    resistance: float = parameter(0.608, "terminal resistance R", "ohm", 0.01, 10.0)
     torque_constant: float = parameter(0.0934, "torque per ampere C_m", "N·m/A", 0.001, 1000.0)
     back_emf: float = parameter(0.0934, "voltage per rotor speed C_e", "V·s/rad", 0.0, 1000.0)
     rotor_inertia: float = parameter(5.36e-5, "rotor inertia J_r", "kg·m²", 0.0, 1000.0)
