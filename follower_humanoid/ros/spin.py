@@ -27,10 +27,11 @@ _PR_SET_PDEATHSIG = 1
 _WAIT = 0.1
 
 
-class _Stop:
-    """Remembers that a signal asked to stop."""
+class StopSignal:
+    """Remembers that SIGINT or SIGTERM asked to stop."""
 
     def __init__(self) -> None:
+        """Takes over both signals."""
         self.asked = False
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._ask)
@@ -47,7 +48,7 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
         status of the node that ended first.
     """
     die_with_parent()
-    stop = _Stop()
+    stop = StopSignal()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     nodes: list[ManagedNode] = []
     try:
@@ -63,7 +64,7 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
         try_shutdown()
 
 
-def _spin(nodes: list[ManagedNode], stop: _Stop) -> int:
+def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
     executor = EventsExecutor()
     for node in nodes:
         executor.add_node(node)

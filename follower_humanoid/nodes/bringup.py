@@ -1,0 +1,26 @@
+"""Executable: starts the whole graph, stays with it, and sums up. `bringup --help` lists the options."""
+
+from __future__ import annotations
+
+import sys
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.ros.bringup_options import parse
+from follower_humanoid.ros.managed_node import BAD_CONFIGURATION
+from follower_humanoid.ros.run_plan import make_plan
+
+
+def main(args: list[str] | None = None) -> int:
+    """Runs bringup; returns the exit status."""
+    try:
+        plan = make_plan(parse(sys.argv[1:] if args is None else args))
+        from follower_humanoid.ros.bringup_run import BringupRun
+
+        return BringupRun(plan).run()
+    except ConfigurationError as error:
+        print(error, file=sys.stderr)
+        return BAD_CONFIGURATION
+
+
+if __name__ == "__main__":
+    sys.exit(main())

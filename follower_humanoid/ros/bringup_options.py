@@ -1,0 +1,153 @@
+"""The command line of bringup, checked before anything starts."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import NoReturn
+
+from follower_humanoid.errors import ConfigurationError, UnknownNameError
+from follower_humanoid.executables import EXECUTABLES
+from follower_humanoid.graph.wiring import NODES
+
+NONE = "none"
+VIEWER = "viewer"
+_NAMESPACE = re.compile(r"(/?[A-Za-z_][A-Za-z0-9_]*)(/[A-Za-z_][A-Za-z0-9_]*)*/?")
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user asked for.
+
+    Attributes:
+        leader: Built-in programme, YAML file or `none`.
+        duration: Simulated seconds, None where it was not given.
+        bag: Folder of the bag, None for no bag.
+        composed: All nodes in one process.
+        without: Nodes left out.
+        realtime: Not faster than real time.
+        namespace: Namespace without a leading slash, empty for none.
+        params: Parameter files, later ones win.
+        view: The browser viewer beside it.
+        ros_args: What followed `--ros-args`, for every node.
+    """
+
+    leader: str
+    duration: float | None
+    bag: Path | None
+    composed: bool
+    without: tuple[str, ...]
+    realtime: bool
+    namespace: str
+    params: tuple[Path, ...]
+    view: bool
+    ros_args: tuple[str, ...]
+
+
+class _Parser(argparse.ArgumentParser):
+    """Complains in one line, with the valid options where one is unknown."""
+
+    def error(self, message: str) -> NoReturn:
+        if message.startswith("unrecognized arguments"):
+            valid = ", ".join(name for action in self._actions for name in action.option_strings)
+            message = f"{message.replace('unrecognized arguments', 'no such option')}; valid: {valid}"
+        raise ConfigurationError(f"{self.prog}: {message}")
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or value <= 0.0:
+        raise argparse.ArgumentTypeError(f"'{text}': needs a number of seconds greater than 0")
+    return value
+
+
+def _parser() -> _Parser:
+    parser = _Parser(
+        prog="bringup",
+        description="Starts the graph: the follower walks behind the leader's hand, the run is recorded.",
+        epilog="Exit status: 0 ended upright, 2 bad usage, 3 the robot fell, 1 anything else. "
+        "What follows --ros-args goes to every node.",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("--leader", default="fig4", metavar="NAME|FILE|none", help="force programme (default: fig4)")
+    add("--duration", type=_seconds, metavar="S", help="simulated seconds (default: until it stands again)")
+    add("--bag", metavar="DIR|none", help="folder of the recorded run (default: bags/<date-time>)")
+    add("--composed", action="store_true", help="all nodes in one process")
+    add("--without", action="append", default=[], metavar="NODE", help="leave a node out; repeatable")
+    add("--realtime", action="store_true", help="not faster than real time")
+    add("--namespace", default="", metavar="NS", help="put the robot under a namespace")
+    add("--params", action="append", default=[], metavar="FILE", help="ROS 2 parameter file; repeatable")
+    add("--view", action="store_true", help="the browser viewer beside it")
+    return parser
+
+
+def parse(args: Sequence[str]) -> Options:
+    """Reads the command line.
+
+    Raises:
+        ConfigurationError: An option is unknown or unusable; one line that says which values are valid.
+    """
+    own, ros_args = split_ros_args(args)
+    given = _parser().parse_args(own)
+    if given.view and VIEWER not in EXECUTABLES:
+        raise ConfigurationError("--view: this version of the package has no viewer")
+    for name in given.without:
+        if name not in NODES:
+            raise UnknownNameError("node for --without", name, NODES)
+    if given.namespace and not _NAMESPACE.fullmatch(given.namespace):
+        raise ConfigurationError(
+            f"--namespace '{given.namespace}': valid: letters, digits and _, not beginning with a digit, "
+            "parts joined by /"
+        )
+    return Options(
+        leader=given.leader,
+        duration=given.duration,
+        bag=_bag_folder(given.bag),
+        composed=given.composed,
+        without=tuple(dict.fromkeys(given.without)),
+        realtime=given.realtime,
+        namespace=given.namespace.strip("/"),
+        params=tuple(Path(path) for path in given.params),
+        view=given.view,
+        ros_args=tuple(ros_args),
+    )
+
+
+def split_ros_args(args: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Own arguments, and those between `--ros-args` and `--` or the end."""
+    own: list[str] = []
+    ros: list[str] = []
+    inside = False
+    for arg in args:
+        if arg == "--ros-args":
+            inside = True
+        elif arg == "--" and inside:
+            inside = False
+        else:
+            (ros if inside else own).append(arg)
+    return own, ros
+
+
+def _bag_folder(given: str | None) -> Path | None:
+    if given == NONE:
+        return None
+    if given == "":
+        raise ConfigurationError("--bag '': needs a folder or 'none'")
+    folder = Path(given) if given else Path("bags", datetime.now().strftime("%Y-%m-%d-%H-%M-%S"))
+    folder = folder.expanduser().absolute()
+    if folder.exists() or folder.is_symlink():
+        raise ConfigurationError(f"--bag {folder}: exists already and is not overwritten; name a new folder")
+    above = next(parent for parent in folder.parents if parent.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
+        raise ConfigurationError(f"--bag {folder}: {above} is not a folder that can be written to")
+    return folder

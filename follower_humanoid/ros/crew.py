@@ -1,0 +1,108 @@
+"""The processes that bringup starts: none is left behind, whatever happens."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from follower_humanoid.ros.spin import PARENT
+
+
+@dataclass(frozen=True)
+class Member:
+    """One process.
+
+    Attributes:
+        name: Executable.
+        nodes: Nodes in it.
+        process: The running process.
+    """
+
+    name: str
+    nodes: tuple[str, ...]
+    process: subprocess.Popen[bytes]
+
+
+def child_environment() -> dict[str, str]:
+    """What every process of the graph gets."""
+    environment = dict(os.environ)
+    environment[PARENT] = str(os.getpid())
+    for library in ("OMP", "OPENBLAS", "MKL"):
+        # Small matrices, several processes, few cores: more threads only wait for one another.
+        environment.setdefault(f"{library}_NUM_THREADS", "1")
+    return environment
+
+
+class Crew:
+    """Starts, watches and ends processes."""
+
+    def __init__(self) -> None:
+        """Nobody yet."""
+        self.members: list[Member] = []
+
+    def start(self, name: str, command: Sequence[str], nodes: tuple[str, ...]) -> None:
+        """Starts one process, in a session of its own: Ctrl-C reaches bringup alone, which ends the others.
+
+        What it prints to stdout is dropped: nodes log to stderr, and stdout is bringup's.
+        """
+        process = subprocess.Popen(
+            list(command),
+            env=child_environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self.members.append(Member(name, nodes, process))
+
+    def ended(self) -> Member | None:
+        """The first member whose process is over."""
+        return next((m for m in self.members if m.process.poll() is not None), None)
+
+    def stop(self, deadline: float, idle: Callable[[float], None], last: str = "") -> None:
+        """Ends everyone: politely, then for good.
+
+        Args:
+            deadline: On the monotonic clock [s].
+            idle: Passes the given time [s] while waiting.
+            last: Ends after all others, so that it hears their last words.
+        """
+        others = [m for m in self.members if m.name != last]
+        self._ask(others)
+        self._wait(others, deadline - 0.5 * (deadline - time.monotonic()), idle)
+        self._ask([m for m in self.members if m.name == last])
+        self._wait(self.members, deadline, idle)
+        self.kill()
+
+    def kill(self) -> None:
+        """Ends whoever is left, at once."""
+        for member in self.members:
+            if member.process.poll() is None:
+                member.process.kill()
+                member.process.wait()
+
+    @staticmethod
+    def _ask(members: Sequence[Member]) -> None:
+        for member in members:
+            if member.process.poll() is None:
+                member.process.send_signal(signal.SIGTERM)
+                # One that was halted could not obey.
+                member.process.send_signal(signal.SIGCONT)
+
+    @staticmethod
+    def _wait(members: Sequence[Member], deadline: float, idle: Callable[[float], None]) -> None:
+        while time.monotonic() < deadline and any(m.process.poll() is None for m in members):
+            idle(0.02)
+
+
+def how_it_ended(status: int) -> str:
+    """A process's end in words."""
+    if status >= 0:
+        return f"ended with status {status}"
+    try:
+        return f"killed by {signal.Signals(-status).name}"
+    except ValueError:
+        return f"killed by signal {-status}"
