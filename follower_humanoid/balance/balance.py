@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +15,7 @@ from follower_humanoid.balance.dcm_law import (
     attitude_shift,
     desired_force,
     desired_zmp,
+    yaw_moment,
 )
 from follower_humanoid.balance.foot_wrenches import FootShares, SoleConfig, foot_wrench, share_feet
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
@@ -30,7 +32,7 @@ from follower_humanoid.core.samples import (
     Side,
     Wrench,
 )
-from follower_humanoid.gait.pendulum import natural_frequency
+from follower_humanoid.gait.pendulum import momentum_shift, natural_frequency
 from follower_humanoid.robot.model import RobotModel
 
 LAWS = ("dcm",)
@@ -96,6 +98,8 @@ class ZmpBalance:
             side: [robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES
         }
         self._offset = ComOffset(config.offset, robot)
+        self._last_momentum: Array | None = None
+        self._smooth_rate: Array = np.zeros(3)
         self._margin: float | None = None
         self._smallest_margin = float("inf")
 
@@ -123,11 +127,10 @@ class ZmpBalance:
             nothing = dict.fromkeys(("reference", "left_foot_reference", "right_foot_reference", "zmp_command"))
             return BalanceOutputs(**measured, **nothing)
         hands = self._hands(inputs)
-        shares, force = self._correct(inputs, state, hands, places, v)
+        shares, force, moment = self._correct(inputs, state, hands, places, v)
+        friction = self._config.soles.friction
         wrenches = {
-            side: foot_wrench(
-                shares.share[side], shares.point[side], force, places[side], self._config.soles.friction
-            )
+            side: foot_wrench(shares.share[side], shares.point[side], force, moment, places[side], friction)
             for side in SIDES
         }
         return BalanceOutputs(
@@ -164,15 +167,15 @@ class ZmpBalance:
 
     def _correct(
         self, inputs: BalanceInputs, state: CenterState, hands: HandEffect, places: dict[Side, SolePlace], v: Array
-    ) -> tuple[FootShares, Array]:
-        """Desired ZMP from the DCM error, then the ground force that makes it."""
+    ) -> tuple[FootShares, Array, float]:
+        """Desired ZMP from the DCM error, then the ground force and yaw moment that make it."""
         if inputs.base is None or inputs.reference is None or inputs.contacts is None:
             raise ValueError("a correction needs a reference")
         if inputs.zmp_reference is None or inputs.dcm_reference is None:
             raise ValueError("a correction needs a plan")
         config, robot = self._config, self._robot
         q_ref, v_ref = robot.state(inputs.base, inputs.reference)
-        pin.centerOfMass(robot.pin_model, self._wanted, q_ref, v_ref, False)
+        pin.computeCentroidalMomentum(robot.pin_model, self._wanted, q_ref, v_ref)
         reference = CenterState(np.array(self._wanted.com[0]), np.array(self._wanted.vcom[0]))
         omega = natural_frequency(float(reference.com[2]))
         zmp = desired_zmp(
@@ -183,10 +186,24 @@ class ZmpBalance:
         error = pin.log3(wanted @ rotation.T)
         rate = rotation @ v[3:6] - wanted @ v_ref[3:6]
         shift = attitude_shift(error, rate, robot.mass, config.dcm)
+        momentum_rate = self._momentum_rate()
         force = desired_force(
-            state, float(reference.com[2]), float(reference.velocity[2]), zmp, hands, omega, robot.mass, config.dcm
-        )
-        return share_feet(zmp + shift, places, inputs.contacts, config.soles), force
+            state, float(reference.com[2]), float(reference.velocity[2]), zmp,
+            momentum_shift(momentum_rate, robot.mass), hands, omega, robot.mass, config.dcm,
+        )  # fmt: skip
+        moment = yaw_moment(error, rate, float(momentum_rate[2]), config.dcm)
+        return share_feet(zmp + shift, places, inputs.contacts, config.soles), force, moment
+
+    def _momentum_rate(self) -> Array:
+        """L̇ of the reference about its CoM, from one tick to the next, low-passed, shape (3,) [N·m]."""
+        momentum, config = np.array(self._wanted.hg.angular), self._config.dcm
+        if self._last_momentum is not None:
+            rate = (momentum - self._last_momentum) / self._period
+            rate = np.clip(rate, -config.momentum_limit, config.momentum_limit)
+            share = 1.0 - math.exp(-self._period / config.momentum_filter)
+            self._smooth_rate = self._smooth_rate + share * (rate - self._smooth_rate)
+        self._last_momentum = momentum
+        return self._smooth_rate
 
     def _support_polygon(self, inputs: BalanceInputs) -> Array | None:
         config = self._config.zmp

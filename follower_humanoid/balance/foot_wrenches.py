@@ -62,13 +62,16 @@ def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, conf
     return FootShares(share, point, reached)
 
 
-def foot_wrench(share: float, point: Array, force: Array, place: SolePlace, friction: float) -> Wrench:
+def foot_wrench(
+    share: float, point: Array, force: Array, yaw_moment: float, place: SolePlace, friction: float
+) -> Wrench:
     """A foot's part of the total force, at and in its sole frame.
 
     Args:
         share: Part of the force.
         point: Where it acts on the ground in world, shape (2,) [m].
         force: Total force in world, shape (3,) [N].
+        yaw_moment: Total moment about the vertical through the foot's point [N·m].
         place: The sole.
         friction: Limit of tangential over normal force.
     """
@@ -78,7 +81,7 @@ def foot_wrench(share: float, point: Array, force: Array, place: SolePlace, fric
         own = own * np.array([limit / tangential, limit / tangential, 1.0])
     x, y = point - place.position[:2]
     z = -place.position[2]
-    moment = np.array([y * own[2] - z * own[1], z * own[0] - x * own[2], x * own[1] - y * own[0]])
+    moment = np.array([y * own[2] - z * own[1], z * own[0] - x * own[2], x * own[1] - y * own[0] + share * yaw_moment])
     to_sole = place.rotation.T
     return Wrench(to_sole @ own, to_sole @ moment)
 

@@ -30,7 +30,7 @@ from follower_humanoid.core.samples import (
 from follower_humanoid.gait.differential_ik import BodyTask, DifferentialIk, FootTask, IkConfig
 from follower_humanoid.gait.feet import FootPose, FootstepConfig, half_step_length
 from follower_humanoid.gait.pelvis_height import PelvisConfig, PelvisHeight, Reach
-from follower_humanoid.gait.pendulum import ReferencePendulum, natural_frequency
+from follower_humanoid.gait.pendulum import ReferencePendulum, momentum_shift, natural_frequency
 from follower_humanoid.gait.preview import com_after, planned_dcm
 from follower_humanoid.gait.sequence import load_sequence
 from follower_humanoid.gait.walker import Plan, Walker, WalkerConfig
@@ -45,7 +45,8 @@ class CompositionConfig:
 
     sequence: str = parameter("", "file with the sequence of primitives; empty: the package's half-step")
     dcm_convergence: float = parameter(4.0, "rate at which the reference DCM joins a changed plan", "1/s", 0.5, 20)
-    zmp_reach: float = parameter(0.04, "largest shift of the ZMP to join a changed plan", "m", 0, 0.1)
+    zmp_reach: float = parameter(0.03, "largest ZMP shift to join a changed plan, one foot carrying", "m", 0, 0.1)
+    zmp_reach_double: float = parameter(0.09, "the same, both feet carrying", "m", 0, 0.2)
     toe_gain: float = parameter(20.0, "position feedback of the toe reference", "1/s", 0, 100)
     walker: WalkerConfig = field(default_factory=WalkerConfig)
     footsteps: FootstepConfig = field(default_factory=FootstepConfig)
@@ -115,7 +116,9 @@ class MotionComposition:
         plan = walker.plan_ahead(gait)
         omega = natural_frequency(float(ik.com[2]))
         dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, self._config.walker.preview)
-        pendulum = self._pendulum.advance(walker.zmp.position, dcm_plan, omega, dt)
+        reach = self._config.zmp_reach_double if walker.swinging is None else self._config.zmp_reach
+        momentum = momentum_shift(ik.angular_momentum, self._robot.mass)
+        pendulum = self._pendulum.advance(walker.zmp.position, dcm_plan, momentum, omega, reach, dt)
         self._advance_pelvis(walker, plan, omega)
         self._advance_body(walker, pendulum.com, pendulum.com_velocity)
         names, completion = walker.half_step.active() if walker.half_step is not None else ((), ())
@@ -143,7 +146,7 @@ class MotionComposition:
         self._ik = DifferentialIk(robot, config.ik, q)
         com = self._ik.com[:2]
         self._walker = Walker(config.walker, config.footsteps, self._sequence, feet, com)
-        self._pendulum = ReferencePendulum(com, config.dcm_convergence, config.zmp_reach)
+        self._pendulum = ReferencePendulum(com, config.dcm_convergence)
         self._pelvis = PelvisHeight(config.pelvis, float(q[2]))
 
     def _measured_foot(self, side: Side, q: Array) -> FootPose:

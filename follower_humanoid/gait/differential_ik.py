@@ -100,6 +100,11 @@ class DifferentialIk:
         """CoM of the reference in world, shape (3,) [m]."""
         return np.array(self._data.com[0])
 
+    @property
+    def angular_momentum(self) -> Array:
+        """Angular momentum of the reference motion about its CoM in world, shape (3,) [kg·m²/s]."""
+        return np.array(pin.computeCentroidalMomentum(self._model, self._data, self.q, self.v).angular)
+
     def sole(self, side: Side) -> pin.SE3:
         """Pose of a sole of the reference in world."""
         return self._data.oMf[self._soles[side]]

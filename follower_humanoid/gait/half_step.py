@@ -49,9 +49,12 @@ class HalfStep:
         duration: Present time of the whole half-step [s]; may change at any tick.
     """
 
-    def __init__(self, sequence: Sequence, stance: FootPose, swing: SwingFoot, closing: bool) -> None:
+    def __init__(
+        self, sequence: Sequence, stance: FootPose, swing: SwingFoot, closing: bool, shortest_transfer: float = 0.0
+    ) -> None:
         self._phases = sequence.phases
         self._index = 0
+        self._shortest_transfer = shortest_transfer
         self.stance = stance
         self.swing = swing
         self.closing = closing
@@ -88,8 +91,8 @@ class HalfStep:
 
     def remaining_swing(self) -> float:
         """Time until the planned touchdown [s]."""
-        left = (1.0 - self.progress) * self.phase.share
-        return self.duration * (left + sum(p.share for p in self._phases[self._index + 1 :]))
+        times = [self._phase_time(phase, self.duration) for phase in self._phases[self._index :]]
+        return sum(times) - self.progress * times[0]
 
     def advance(self, context: StepContext, zmp: ConstantSpeedChannel, duration: float, dt: float) -> bool:
         """One tick of every active primitive.
@@ -104,7 +107,7 @@ class HalfStep:
             True when the last phase has ended with this tick.
         """
         self.duration = duration
-        phase_time = duration * self.phase.share
+        phase_time = self._phase_time(self.phase, duration)
         owned = set()
         for primitive in self.phase.primitives:
             if not primitive.active(self.progress):
@@ -136,8 +139,17 @@ class HalfStep:
         for number, phase in enumerate(self._phases[self._index :]):
             begin = self.progress if number == 0 else 0.0
             part = swing if phase.single_support else transfer
-            part += phase_zmp_plan(phase, begin, context, duration)
+            part += phase_zmp_plan(phase, begin, context, self._phase_time(phase, duration))
         return transfer, swing
+
+    def _phase_time(self, phase: Phase, duration: float) -> float:
+        """Time of a phase; the transfer out of standing takes its own [s]."""
+        time = duration * phase.share
+        return time if phase.single_support else max(time, self._shortest_transfer * phase.share / self._double_share)
+
+    @property
+    def _double_share(self) -> float:
+        return sum(phase.share for phase in self._phases if not phase.single_support)
 
     def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
         """Names of the active primitives and their completion."""
@@ -146,10 +158,9 @@ class HalfStep:
         return names, tuple(p.completion(self.progress) for p in running)
 
 
-def phase_zmp_plan(phase: Phase, begin: float, context: StepContext, duration: float) -> list[ZmpLeg]:
-    """What the primitives of a phase ask of the ZMP from progress `begin` on; gaps are rests."""
+def phase_zmp_plan(phase: Phase, begin: float, context: StepContext, time: float) -> list[ZmpLeg]:
+    """What the primitives of a phase of `time` [s] ask of the ZMP from progress `begin` on; gaps are rests."""
     legs: list[ZmpLeg] = []
-    time = duration * phase.share
     for primitive in phase.on_channel("zmp"):
         if primitive.end <= begin:
             continue

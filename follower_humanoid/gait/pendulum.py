@@ -10,6 +10,9 @@ import numpy as np
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import GRAVITY
 
+MOMENTUM_FILTER_TIME = 0.01  # [s]
+LARGEST_SHIFT = 0.3  # of the ZMP by a change of angular momentum [m]
+
 
 @dataclass(frozen=True, slots=True)
 class PendulumState:
@@ -33,43 +36,72 @@ class ReferencePendulum:
 
     When walking starts, stops or changes, the planned DCM jumps. The reference DCM cannot: it is
     steered to the plan by p = p_plan + (1 + k/ω)(ξ − ξ_plan), so that the gap decays as e^{−kt} and
-    reference CoM, DCM and ZMP stay consistent with ξ̇ = ω(ξ − p), ċ = ω(ξ − c).
+    reference CoM, DCM and ZMP stay consistent with ξ̇ = ω(ξ − p − λ̇), ċ = ω(ξ − c).
+
+    λ = (L_y, −L_x)/(m g) is what the angular momentum L about the CoM, mostly the swing leg's, does:
+    p = c − c̈/ω² − λ̇. Without it in the plan the ZMP would carry the whole of λ̇; with ξ_plan lowered
+    by ω λ only ω λ is left, a fraction of it for swings that are short against 1/ω.
     """
 
-    def __init__(self, com: Array, convergence: float, reach: float) -> None:
+    def __init__(self, com: Array, convergence: float) -> None:
         """Starts at rest above its ZMP.
 
         Args:
             com: CoM over the ground, shape (2,) [m].
             convergence: Decay rate k of the gap to the plan [1/s].
-            reach: Largest distance of the ZMP from the planned one [m].
         """
         self._convergence = convergence
-        self._reach = reach
+        self._momentum: Array = np.zeros(2)
+        self._smooth_momentum_rate: Array = np.zeros(2)
         self.state = PendulumState(np.array(com), np.zeros(2), np.array(com), np.array(com))
 
-    def advance(self, zmp_plan: Array, dcm_plan: Array, omega: float, dt: float) -> PendulumState:
+    def advance(
+        self, zmp_plan: Array, dcm_plan: Array, momentum: Array, omega: float, reach: float, dt: float
+    ) -> PendulumState:
         """One tick under constant ZMP, integrated exactly.
 
         Args:
             zmp_plan: Planned ZMP, shape (2,) [m].
             dcm_plan: Planned DCM, shape (2,) [m].
+            momentum: λ of the reference motion, shape (2,) [m·s].
             omega: Natural frequency [1/s].
+            reach: Largest distance of the ZMP from the planned one [m].
             dt: Tick [s].
         """
         old = self.state
-        shift = (1.0 + self._convergence / omega) * (old.dcm - dcm_plan)
+        rate = self._momentum_rate(momentum, dt)
+        shift = (1.0 + self._convergence / omega) * (old.dcm - dcm_plan + omega * momentum)
         distance = math.hypot(shift[0], shift[1])
-        if distance > self._reach:
-            shift = shift * (self._reach / distance)
-        zmp = zmp_plan + shift
-        # Exact solution of c̈ = ω²(c − p) over dt with p constant.
+        if distance > reach:
+            shift = shift * (reach / distance)
+        zmp = zmp_plan - omega * momentum + shift
+        pivot = zmp + rate
+        # Exact solution of c̈ = ω²(c − p − λ̇) over dt with p + λ̇ constant.
         growth = math.exp(omega * dt)
-        dcm = zmp + growth * (old.dcm - zmp)
+        dcm = pivot + growth * (old.dcm - pivot)
         cosh, sinh = 0.5 * (growth + 1.0 / growth), 0.5 * (growth - 1.0 / growth)
-        com = zmp + cosh * (old.com - zmp) + (sinh / omega) * old.com_velocity
+        com = pivot + cosh * (old.com - pivot) + (sinh / omega) * old.com_velocity
         self.state = PendulumState(com, omega * (dcm - com), dcm, zmp)
         return self.state
+
+    def _momentum_rate(self, momentum: Array, dt: float) -> Array:
+        """λ̇ behind a low-pass: touchdown ends swings abruptly [m]."""
+        share = 1.0 - math.exp(-dt / MOMENTUM_FILTER_TIME)
+        self._smooth_momentum_rate = self._smooth_momentum_rate + share * (
+            np.clip((momentum - self._momentum) / dt, -LARGEST_SHIFT, LARGEST_SHIFT) - self._smooth_momentum_rate
+        )
+        self._momentum = momentum
+        return self._smooth_momentum_rate
+
+
+def momentum_shift(angular_momentum: Array, mass: float) -> Array:
+    """λ = (L_y, −L_x)/(m g) of an angular momentum about the CoM, shape (2,) [m·s].
+
+    Args:
+        angular_momentum: L in world, shape (3,) [kg·m²/s].
+        mass: [kg].
+    """
+    return np.array([angular_momentum[1], -angular_momentum[0]]) / (mass * GRAVITY)
 
 
 def natural_frequency(height: float) -> float:

@@ -37,6 +37,7 @@ class WalkerConfig:
     freeze: float = parameter(0.8, "share of the swing after which the landing place is kept", "", 0.1, 1)
     stand_forward: float = parameter(0.03, "ZMP of standing ahead of the ankles", "m", -0.05, 0.12)
     stand_time: float = parameter(1.2, "time to bring the ZMP between the feet", "s", 0.2, 5)
+    first_transfer: float = parameter(0.9, "shortest double support out of standing", "s", 0.0, 5)
     load_time: float = parameter(0.10, "time over which a foot takes or leaves its load", "s", 0.0, 1)
     preview: float = parameter(4.0, "how far ahead the ZMP is planned", "s", 1, 10)
     touchdown_load: float = parameter(30.0, "normal force that counts as contact", "N", 5, 200)
@@ -110,7 +111,7 @@ class Walker:
         if gait.walk_speed > 0.0:
             self._pace = gait
         if self.half_step is None and gait.walk_speed > 0.0:
-            self._begin(self._first_swing(gait), gait, toes)
+            self._begin(self._first_swing(gait), gait, toes, self._config.first_transfer)
         if self._may_give_up(gait):
             self._stand()
         half = self.half_step
@@ -159,7 +160,7 @@ class Walker:
             for phase in self._sequence.phases:
                 if phase.single_support and lifting is None:
                     lift_off, lifting = len(legs), feet[place.side]
-                legs += phase_zmp_plan(phase, 0.0, context, duration)
+                legs += phase_zmp_plan(phase, 0.0, context, phase.share * duration)
             time += duration
             coming.append(place)
             feet[place.side] = place
@@ -179,10 +180,11 @@ class Walker:
             yaws[swing.side] = replace(yaws[swing.side], yaw=float(swing.attitude.position[0]))
         return mean_yaw(yaws[Side.LEFT], yaws[Side.RIGHT])
 
-    def _begin(self, swing: Side, gait: Gait, toes: dict[Side, float]) -> None:
+    def _begin(self, swing: Side, gait: Gait, toes: dict[Side, float], shortest_transfer: float = 0.0) -> None:
         stance = self.feet[swing.other]
         foot = SwingFoot(self.feet[swing], toes[swing])
-        self.half_step = HalfStep(self._sequence, stance, foot, closing=gait.walk_speed == 0.0)
+        closing = gait.walk_speed == 0.0
+        self.half_step = HalfStep(self._sequence, stance, foot, closing, shortest_transfer)
         self.landing = self._landing(stance, gait)
 
     def _land(self, gait: Gait, toes: dict[Side, float]) -> Side:
