@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -14,6 +15,7 @@ from follower_humanoid.core.samples import SIDES, Array, Side
 from follower_humanoid.pictures.style import BAND, PCM, SIDE_COLORS, WIDTH, ZMP, View, figure
 
 _MARGIN = 0.12
+_NUMBER_AT = (-0.045, 0.028)  # in the sole frame: outside of the heel, clear of the ZMP
 
 
 def footprints(view: View) -> list[tuple[Side, Array]]:
@@ -46,10 +48,18 @@ def draw_ground(axes: Axes, view: View, own_color: bool) -> None:
     for side, outline in footprints(view):
         color = view.color if own_color else SIDE_COLORS[side]
         axes.add_patch(Polygon(outline, facecolor="none", edgecolor=color, linewidth=1.0))
-    for topic, color, style in (("com", PCM, "-"), ("zmp", ZMP, "-")):
+    for topic, color in (("com", PCM), ("zmp", ZMP)):
         if topic in view.run and not (own_color and topic == "com"):
             xyz = view.run[topic].xyz
-            axes.plot(xyz[:, 0], xyz[:, 1], style, color=view.color if own_color else color, linewidth=0.8)
+            axes.plot(xyz[:, 0], xyz[:, 1], color=view.color if own_color else color, linewidth=0.8)
+    if not own_color:
+        for number, step in enumerate((step for step in view.steps if step.counted), start=1):
+            c, s = np.cos(step.yaw), np.sin(step.yaw)
+            x, y = _NUMBER_AT[0], step.side.sign * _NUMBER_AT[1]
+            place = (step.position[0] + c * x - s * y, step.position[1] + s * x + c * y)
+            axes.annotate(
+                str(number), place, color=SIDE_COLORS[step.side], ha="center", va="center", fontsize=6
+            )
 
 
 def ground_figure(compared: Sequence[View]) -> Figure:
@@ -68,7 +78,7 @@ def ground_figure(compared: Sequence[View]) -> Figure:
         "Footprints and ZMP" if several else "Footprints, support polygons, ZMP and PCM", loc="left"
     )
     if several:
-        handles = [Line2D([], [], color=view.color, label=view.label) for view in compared]
+        handles: list[Artist] = [Line2D([], [], color=view.color, label=view.label) for view in compared]
     else:
         handles = [
             Line2D([], [], color=ZMP, label="ZMP"),

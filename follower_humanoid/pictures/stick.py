@@ -14,7 +14,7 @@ from follower_humanoid.pictures.style import LEFT, MIDDLE, RIGHT, WIDTH, View, f
 
 _COLORS = {"l": LEFT, "r": RIGHT, "": MIDDLE}
 _MARGIN = 0.3
-_TOP = 1.85
+_TOP = 1.7
 
 
 def draw_sticks(axes: Axes, view: View, period: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,8 +22,10 @@ ZMP, PCM, PLAN, COMMAND, BAND = "#CC3377", "#009E73", "#222222", "#E69F00", "#DD
 SIDE_COLORS = {Side.LEFT: LEFT, Side.RIGHT: RIGHT}
 RUN_COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC3377", "#E69F00", "#56B4E9", "#000000")
 
+AXIS_COLORS = ("#0072B2", "#E69F00", "#009E73")  # x, y, z
+
 WIDTH = 7.2  # inches: a page's text width
-RC = {
+RC: dict[Any, Any] = {
     "font.size": 8.5,
     "axes.titlesize": 9.5,
     "axes.labelsize": 8.5,
@@ -75,22 +78,31 @@ def views(runs: Sequence[tuple[str, Run]]) -> list[View]:
     ]
 
 
+def end_of(compared: Sequence[View]) -> float:
+    """End of the longest run [s]."""
+    return max(view.run.duration for view in compared)
+
+
 def figure(height: float, width: float = WIDTH) -> Figure:
     """An empty figure; sizes in inches."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def time_axis(axes: Axes, end: float) -> None:
-    """Time from 0 to the end [s]."""
-    axes.set_xlim(0.0, end)
-    axes.set_xlabel("time [s]")
-
-
 def stacked_axes(fig: Figure, rows: int, end: float, heights: Sequence[float] | None = None) -> list[Axes]:
     """Axes below one another with one time axis at the bottom; `end` in [s]."""
     made = fig.subplots(rows, 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
-    time_axis(made[-1], end)
+    made[-1].set_xlim(0.0, end)
+    made[-1].set_xlabel("time [s]")
+    fig.align_ylabels(list(made))
     return list(made)
+
+
+def widen(axes: Axes, least: float) -> None:
+    """Shows at least a range of `least`, so that rounding noise does not fill the axes."""
+    low, high = axes.get_ylim()
+    missing = least - (high - low)
+    if missing > 0.0:
+        axes.set_ylim(low - missing / 2, high + missing / 2)
 
 
 def legend(axes: Axes, columns: int = 1) -> None:

@@ -1,0 +1,101 @@
+"""A report on recorded runs: every figure as PNG, all of them in one PDF, the steps as CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.graph.record import Run
+from follower_humanoid.pictures.ground import ground_figure
+from follower_humanoid.pictures.signals import feet_figure, gait_figure, voltage_figure
+from follower_humanoid.pictures.stick import stick_figure
+from follower_humanoid.pictures.style import RC, View, views
+from follower_humanoid.pictures.table import table_figure, write_csv
+from follower_humanoid.pictures.zmp import zmp_figure
+
+FEET = ("left_foot/wrench", "right_foot/wrench")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One figure of the report.
+
+    Attributes:
+        name: File name without ending.
+        draw: Makes it from the compared runs.
+        needs: Topics without which it cannot be drawn.
+    """
+
+    name: str
+    draw: Callable[[Sequence[View]], Figure]
+    needs: tuple[str, ...]
+
+
+PICTURES = (
+    Picture("sticks", stick_figure, ()),
+    Picture("footprints", ground_figure, FEET),
+    Picture("zmp", zmp_figure, ("zmp",)),
+    Picture("forces_and_gait", gait_figure, ("left_hand/applied", "right_hand/applied", "gait")),
+    Picture("feet_and_primitives", feet_figure, FEET),
+    Picture("voltages", voltage_figure, ("legs/command", "arms/command")),
+    Picture("steps", table_figure, FEET),
+)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was made.
+
+    Attributes:
+        views: The runs.
+        files: Everything written.
+        notes: What is missing, one sentence each.
+    """
+
+    views: tuple[View, ...]
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
+
+
+def make_report(runs: Sequence[tuple[str, Run]], out: Path) -> Report:
+    """Draws everything that the runs allow.
+
+    Args:
+        runs: Labels and runs; several are compared on the same figures.
+        out: Folder for the files; made where it does not exist.
+
+    Raises:
+        ConfigurationError: The folder cannot be written.
+    """
+    compared = views(runs)
+    notes = [f"{label}: {note}" for label, run in runs for note in run.notes]
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with rc_context(RC), PdfPages(out / "report.pdf") as pages:
+            files = [_save(picture, compared, out, pages, notes) for picture in PICTURES]
+            if all(name in view.run for view in compared for name in FEET):
+                write_csv(out / "steps.csv", compared)
+                files.append(out / "steps.csv")
+    except OSError as error:
+        raise ConfigurationError(f"report {out} cannot be written: {error.strerror}") from None
+    written = [file for file in files if file is not None]
+    return Report(tuple(compared), (out / "report.pdf", *written), tuple(notes))
+
+
+def _save(picture: Picture, compared: Sequence[View], out: Path, pages: Any, notes: list[str]) -> Path | None:
+    missing = sorted({name for view in compared for name in picture.needs if name not in view.run})
+    if missing:
+        notes.append(f"no picture '{picture.name}': {', '.join(missing)} not recorded")
+        return None
+    drawn = picture.draw(compared)
+    file = out / f"{picture.name}.png"
+    drawn.savefig(file)
+    pages.savefig(drawn)
+    return file
