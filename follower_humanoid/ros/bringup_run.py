@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -24,6 +25,7 @@ from follower_humanoid.ros.crew import Crew, Member, how_it_ended
 from follower_humanoid.ros.director import Director
 from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, FAILED
+from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.simulator_node import FELL
 from follower_humanoid.ros.spin import StopSignal
@@ -55,9 +57,10 @@ class BringupRun:
         arguments = self._ros_arguments()
         try:
             try:
-                rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+                with quiet_stderr():
+                    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
             except Exception as error:  # rclpy has no common type for what it finds wrong here
-                reason = " ".join(str(error).split())
+                reason = re.sub(r", at \S+", "", " ".join(str(error).split()))
                 raise ConfigurationError(f"--ros-args {' '.join(self._plan.ros_args)}: {reason}") from None
             self._director = Director()
             return self._start_and_watch(arguments)

@@ -16,6 +16,7 @@ from follower_humanoid.graph.wiring import NODES, SIMULATOR
 from follower_humanoid.resources import share_path
 from follower_humanoid.ros.bringup_options import NONE, Options
 from follower_humanoid.ros.graph_config import LEADER, RECORDER
+from follower_humanoid.ros.quiet import quiet_stderr
 
 LONGEST_SETTLING = 10.0
 _KEY = "ros__parameters"
@@ -172,7 +173,8 @@ def _check_urdf(parameters: Parameters) -> None:
     for path in sorted({values["urdf"] for values in parameters.values() if values.get("urdf")}):
         from follower_humanoid.robot.model import RobotModel
 
-        RobotModel(path)
+        with quiet_stderr():  # the parser has its own, longer words for it
+            RobotModel(path)
 
 
 def _spoken(options: Options) -> list[str]:

@@ -1,0 +1,152 @@
+"""The command line of bringup: defaults, meanings, and one clear line for whatever cannot be."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+import yaml
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.nodes.bringup import main
+from follower_humanoid.ros.bringup_options import parse, split_ros_args
+from follower_humanoid.ros.run_plan import make_plan
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def plan(*args):
+    return make_plan(parse(args))
+
+
+def test_defaults(tmp_path):
+    options = parse([])
+    assert (options.leader, options.duration, options.composed, options.realtime) == ("fig4", None, False, False)
+    assert options.bag is not None
+    assert options.bag.parent == tmp_path / "bags"
+    assert not options.bag.parent.exists()
+
+
+def test_default_run_is_the_programme_and_then_a_stand():
+    parameters = plan().parameters
+    assert parameters["leader"]["programme"] == "fig4"
+    assert parameters["simulator"]["duration"] > 10.0
+    assert parameters["simulator"]["settle"] == 10.0
+    assert parameters["simulator"]["nodes"] == ",".join((*NODES, "recorder"))
+
+
+def test_a_given_duration_cuts():
+    parameters = plan("--duration", "2.5").parameters
+    assert (parameters["simulator"]["duration"], parameters["simulator"]["settle"]) == (2.5, 0.0)
+
+
+def test_without_a_leader_a_run_has_no_end():
+    chosen = plan("--leader", "none", "--bag", "none")
+    assert "leader" not in chosen.nodes
+    assert chosen.parameters["simulator"]["duration"] == 0.0
+    assert chosen.parameters["arm_controller"]["nodes"] == ",".join(n for n in NODES if n != "leader")
+
+
+def test_nodes_can_be_left_out():
+    chosen = plan("--without", "arm_controller", "--without", "gait_mapping")
+    assert set(NODES) - set(chosen.nodes) == {"arm_controller", "gait_mapping"}
+
+
+def test_parameter_files_are_laid_over_one_another(tmp_path):
+    first = tmp_path / "first.yaml"
+    first.write_text("simulator:\n  ros__parameters:\n    ground.friction: 0.7\n    body.mass_scale: 1.1\n")
+    second = tmp_path / "second.yaml"
+    second.write_text("/**:\n  ros__parameters:\n    ground: {friction: 0.6}\n")
+    chosen = plan("--params", str(first), "--params", str(second))
+    assert chosen.parameters["simulator"]["ground.friction"] == 0.6
+    assert chosen.parameters["simulator"]["body.mass_scale"] == 1.1
+    assert "body.mass_scale: 1.1" in chosen.about["parameters.yaml"]
+
+
+def test_ros_arguments_reach_every_node_and_parameters_are_checked_among_them():
+    chosen = plan("--ros-args", "-p", "simulator:body.mass_scale:=1.2", "-r", "imu:=pelvis", "--log-level", "warn")
+    assert chosen.ros_args == ("-r", "imu:=pelvis", "--log-level", "warn")
+    assert chosen.parameters["simulator"]["body.mass_scale"] == 1.2
+    with pytest.raises(ConfigurationError, match="mass_scale"):
+        plan("--ros-args", "-p", "body.mass_scale:=nan")
+
+
+def test_ros_arguments_end_at_a_double_dash():
+    words = ["--bag", "none", "--ros-args", "-r", "a:=b", "--", "--composed"]
+    assert split_ros_args(words) == (["--bag", "none", "--composed"], ["-r", "a:=b"])
+
+
+def test_parameter_file_names_nodes_in_their_namespace():
+    chosen = plan("--namespace", "/robots/one", "--bag", "none")
+    content = yaml.safe_load(chosen.parameter_file("robots/one"))
+    assert set(content) >= {f"/robots/one/{name}" for name in NODES}
+
+
+def write(text):
+    Path("file.yaml").write_text(text)
+    return "file.yaml"
+
+
+BAD = {
+    "option": (lambda: ["--colour", "red"], "no such option: --colour", "--duration"),
+    "abbreviation": (lambda: ["--dur", "3"], "no such option: --dur", "--duration"),
+    "word": (lambda: ["fig4"], "no such option: fig4", "--leader"),
+    "duration text": (lambda: ["--duration", "long"], "--duration", "greater than 0"),
+    "duration zero": (lambda: ["--duration", "0"], "'0'", "greater than 0"),
+    "duration nan": (lambda: ["--duration", "nan"], "'nan'", "greater than 0"),
+    "duration missing": (lambda: ["--duration"], "--duration", "expected one argument"),
+    "leader": (lambda: ["--leader", "fig6"], "fig6", "fig4, fig5"),
+    "leader file": (lambda: ["--leader", write("- {until: 1, up: [1, 2, 3]}")], "up", "left"),
+    "leader not yaml": (lambda: ["--leader", write("- {until: ")], "file.yaml", "YAML"),
+    "node": (lambda: ["--without", "viewer"], "viewer", "gait_mapping"),
+    "namespace": (lambda: ["--namespace", "2 robots"], "2 robots", "letters"),
+    "params missing": (lambda: ["--params", "gone.yaml"], "gone.yaml", "no such file"),
+    "params node": (lambda: ["--params", write("gate: {ros__parameters: {a: 1}}")], "gate", "gait_mapping"),
+    "params name": (lambda: ["--params", write("simulator: {ros__parameters: {gravity: 1}}")], "gravity", "tick"),
+    "params range": (
+        lambda: ["--params", write("simulator: {ros__parameters: {ground.friction: -1}}")],
+        "ground.friction = -1",
+        "0.0 to 2.0",
+    ),
+    "params nan": (
+        lambda: ["--params", write("simulator: {ros__parameters: {ground.friction: .nan}}")],
+        "ground.friction = nan",
+        "finite",
+    ),
+    "urdf": (
+        lambda: ["--params", write("/**: {ros__parameters: {urdf: file.yaml}}")],
+        "URDF file.yaml",
+        "malformed",
+    ),
+    "ros parameter": (lambda: ["--ros-args", "-p", "gravity:=1"], "gravity", "tick"),
+    "ros parameter form": (lambda: ["--ros-args", "-p", "tick"], "tick", "NAME:=VALUE"),
+    "ros remap": (lambda: ["--ros-args", "-r", "nonsense"], "nonsense", "--ros-args"),
+    "bag taken": (lambda: ["--bag", str(Path("file.yaml").parent)], "exists already", "new folder"),
+    "bag under a file": (lambda: ["--bag", f"{write('')}/bag"], "file.yaml", "not a folder"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_usage_ends_with_status_2_and_one_line(case, capfd):
+    arguments, what, valid = BAD[case]
+    words = arguments()
+    files = sorted(os.listdir())
+    assert main(words) == 2
+    said = capfd.readouterr().err
+    assert said.count("\n") == 1, said
+    assert what in said
+    assert valid in said
+    assert sorted(os.listdir()) == files  # nothing was written
+
+
+def test_a_taken_bag_folder_is_left_alone(tmp_path, capfd):
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "precious").write_text("data")
+    assert main(["--bag", "taken"]) == 2
+    assert os.listdir("taken") == ["precious"]
+    assert "taken" in capfd.readouterr().err

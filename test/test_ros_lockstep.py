@@ -1,0 +1,171 @@
+"""Which message a node waits for: exactly the one of the tick, whatever else arrives and in what order."""
+
+from __future__ import annotations
+
+import pytest
+
+from follower_humanoid.graph.wiring import NODES, WIRING, used_tick
+from follower_humanoid.ros.lockstep import CLOCK, LockStep
+
+EVERYONE = frozenset(NODES)
+
+
+def feed(lock, topic, ticks):
+    return [lock.put(topic, tick, f"{topic}@{tick}") for tick in ticks]
+
+
+def test_step_waits_for_every_input_of_its_tick():
+    lock = LockStep(NODES["arm_controller"], EVERYONE)
+    assert not lock.ready
+    for topic in ("joint_states", "odom"):
+        assert feed(lock, topic, [0]) == [False]
+    assert [str(m) for m in lock.missing()] == ["imu of tick 0 from simulator"]
+    assert feed(lock, "imu", [0]) == [True]
+    values = lock.take()
+    assert values["imu"] == "imu@0"
+    assert values["left_hand/wrench"] is None  # of tick -1
+    assert lock.tick == 1
+
+
+def test_latest_message_is_never_taken_for_the_right_one():
+    lock = LockStep(NODES["wrench_sensing"], EVERYONE)
+    topics = lock.topics
+    for topic in topics:
+        feed(lock, topic, [2, 1, 0])
+    for tick in range(3):
+        assert lock.ready
+        assert lock.take() == {topic: f"{topic}@{tick}" for topic in topics}
+    assert not lock.ready
+
+
+def test_a_slow_node_uses_its_ticks_and_can_drop_the_others_unread():
+    lock = LockStep(NODES["gait_mapping"], EVERYONE)
+    lock.take()  # tick 0 has nothing to wait for
+    assert lock.tick == 5
+    assert [lock.needs("left_hand/wrench", tick) for tick in range(6)] == [False] * 4 + [True] * 2
+    for topic in lock.topics:
+        feed(lock, topic, [4])
+    assert lock.take() == {topic: f"{topic}@4" for topic in lock.topics}
+
+
+def test_a_slow_output_is_used_through_the_next_period():
+    lock = LockStep(NODES["motion_composition"], EVERYONE)
+    feed(lock, "gait", [0, 5])
+    seen = []
+    for tick in range(12):
+        for topic in lock.topics:
+            if topic != "gait":
+                feed(lock, topic, [tick])
+        if not lock.ready:
+            break
+        seen.append(lock.take()["gait"])
+    assert seen == [None] * 5 + ["gait@0"] * 5 + ["gait@5"] * 2
+
+
+def test_an_announced_absence_counts_as_a_message():
+    lock = LockStep(NODES["simulator"], EVERYONE, ["legs/command", "arms/command"])
+    lock.put("legs/command", 0, None)
+    assert lock.put("arms/command", 0, "volts")
+    assert lock.take() == {"legs/command": None, "arms/command": "volts"}
+
+
+def test_a_node_without_inputs_is_paced_by_the_clock():
+    lock = LockStep(NODES["leader"], EVERYONE)
+    assert lock.topics == (CLOCK,)
+    ticks = []
+    for tick in range(11):
+        lock.put(CLOCK, tick, True)
+        while lock.ready:
+            ticks.append(lock.tick)
+            lock.take()
+    assert ticks == [0, 5, 10]
+
+
+def test_late_and_double_messages_change_nothing():
+    lock = LockStep(NODES["wrench_sensing"], EVERYONE)
+    for topic in lock.topics:
+        feed(lock, topic, [0])
+    assert not lock.put("odom", 0, "another")
+    assert lock.take()["odom"] == "odom@0"
+    assert not lock.put("odom", 0, "late")
+    assert lock.late == 2
+
+
+@pytest.mark.parametrize("node", WIRING, ids=lambda node: node.name)
+def test_every_node_uses_what_the_wiring_says(node):
+    lock = LockStep(node, EVERYONE)
+    for tick in range(0, 60, node.period):
+        for topic in lock.topics:
+            for sent in range(max(0, tick - 30), tick + 1):
+                if topic == CLOCK or sent % next(n for n in WIRING if topic in n.outputs.values()).period == 0:
+                    lock.put(topic, sent, sent)
+        assert lock.tick == tick
+        values = lock.take()
+        for topic, value in values.items():
+            used = tick if topic == CLOCK else used_tick(tick, topic)
+            assert value == (used if used >= 0 else None)
+
+
+def without(name):
+    return EVERYONE - {name}
+
+
+def test_a_stranger_that_keeps_the_ticks_is_waited_for():
+    lock = LockStep(NODES["motion_composition"], without("gait_mapping"))
+    state = [topic for topic in lock.topics if topic != "gait"]
+    for tick in range(5):
+        for topic in state:
+            feed(lock, topic, [tick])
+        lock.take()
+    for topic in state:
+        feed(lock, topic, [5])
+    assert not lock.ready
+    assert feed(lock, "gait", [0]) == [True]
+    assert lock.take()["gait"] == "gait@0"
+
+
+@pytest.mark.parametrize("tick", [None, 3, 1_000_000])
+def test_the_newest_message_of_any_other_stranger_is_held(tick):
+    lock = LockStep(NODES["motion_composition"], without("gait_mapping"))
+    lock.put("gait", tick, "walk")
+    for step in range(12):
+        for topic in lock.topics:
+            if topic != "gait":
+                feed(lock, topic, [step])
+        assert lock.take()["gait"] == "walk"
+
+
+def test_a_stranger_that_falls_silent_is_given_up_and_its_last_word_held():
+    lock = LockStep(NODES["motion_composition"], without("gait_mapping"))
+    feed(lock, "gait", [0])
+    seen = []
+    for step in range(12):
+        for topic in lock.topics:
+            if topic != "gait":
+                feed(lock, topic, [step])
+        if not lock.ready:
+            assert [str(m) for m in lock.give_up()] == ["gait of tick 5 from gait_mapping"]
+        seen.append(lock.take()["gait"])
+    assert seen == [None] * 5 + ["gait@0"] * 7
+
+
+def test_motor_commands_are_waited_for_whoever_sends_them():
+    lock = LockStep(NODES["simulator"], without("arm_controller"), ["legs/command", "arms/command"])
+    feed(lock, "legs/command", [0])
+    assert lock.give_up() == []
+    assert not lock.ready
+
+
+def test_after_a_restart_earlier_results_are_absent():
+    lock = LockStep(NODES["leg_controller"], EVERYONE)
+    for tick in range(3):
+        for topic in lock.topics:
+            feed(lock, topic, [tick])
+        lock.take()
+    lock.restart(3)
+    for topic in ("joint_states", "odom", "left_foot/wrench", "right_foot/wrench"):
+        feed(lock, topic, [3])
+    assert lock.ready
+    values = lock.take()
+    assert values["joint_states"] == "joint_states@3"
+    assert values["balance/reference"] is None
