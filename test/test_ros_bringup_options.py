@@ -26,7 +26,9 @@ def plan(*args):
 
 def test_defaults(tmp_path):
     options = parse([])
-    assert (options.leader, options.duration, options.composed, options.realtime) == ("fig4", None, False, False)
+    assert (options.leader, options.duration) == ("fig4", None)
+    assert not options.composed
+    assert not options.realtime
     assert options.bag is not None
     assert options.bag.parent == tmp_path / "bags"
     assert not options.bag.parent.exists()
@@ -69,7 +71,8 @@ def test_parameter_files_are_laid_over_one_another(tmp_path):
 
 
 def test_ros_arguments_reach_every_node_and_parameters_are_checked_among_them():
-    chosen = plan("--ros-args", "-p", "simulator:body.mass_scale:=1.2", "-r", "imu:=pelvis", "--log-level", "warn")
+    words = ("-p", "simulator:body.mass_scale:=1.2", "-r", "imu:=pelvis", "--log-level", "warn")
+    chosen = plan("--ros-args", *words)
     assert chosen.ros_args == ("-r", "imu:=pelvis", "--log-level", "warn")
     assert chosen.parameters["simulator"]["body.mass_scale"] == 1.2
     with pytest.raises(ConfigurationError, match="mass_scale"):
@@ -107,7 +110,11 @@ BAD = {
     "namespace": (lambda: ["--namespace", "2 robots"], "2 robots", "letters"),
     "params missing": (lambda: ["--params", "gone.yaml"], "gone.yaml", "no such file"),
     "params node": (lambda: ["--params", write("gate: {ros__parameters: {a: 1}}")], "gate", "gait_mapping"),
-    "params name": (lambda: ["--params", write("simulator: {ros__parameters: {gravity: 1}}")], "gravity", "tick"),
+    "params name": (
+        lambda: ["--params", write("simulator: {ros__parameters: {gravity: 1}}")],
+        "gravity",
+        "tick",
+    ),
     "params range": (
         lambda: ["--params", write("simulator: {ros__parameters: {ground.friction: -1}}")],
         "ground.friction = -1",

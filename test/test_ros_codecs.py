@@ -52,7 +52,8 @@ def sample_of(topic, rng):
         return samples.ContactPlan(*numbers(rng, 2).tolist())
     if kind is samples.PrimitiveStates:
         n = int(rng.integers(0, 5))
-        return samples.PrimitiveStates(tuple(f"lean_{i}" for i in range(n)), tuple(rng.uniform(size=n).tolist()))
+        names = tuple(f"lean_{i}" for i in range(n))
+        return samples.PrimitiveStates(names, tuple(rng.uniform(size=n).tolist()))
     if kind is samples.Polygon:
         return samples.Polygon(rng.normal(size=(int(rng.integers(0, 9)), 3)))
     steps = tuple(

@@ -94,7 +94,8 @@ def test_descriptions_say_meaning_unit_and_range(make_node):
     declare(node, Config, adjustable=True)
     stiffness = node.describe_parameter("spring.stiffness")
     assert stiffness.description == "stiffness [N/m]"
-    assert (stiffness.floating_point_range[0].from_value, stiffness.floating_point_range[0].to_value) == (0, 10)
+    limits = stiffness.floating_point_range[0]
+    assert (limits.from_value, limits.to_value) == (0, 10)
     assert stiffness.type == ParameterType.PARAMETER_DOUBLE
     assert not stiffness.read_only
     assert node.describe_parameter("count").integer_range[0].to_value == 9
