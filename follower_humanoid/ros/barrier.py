@@ -7,7 +7,7 @@ graph that is a deadlock. Each node checks its own publishers and then announces
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Any
 
 from rclpy.node import Node
@@ -20,6 +20,7 @@ from follower_humanoid.ros.lockstep import CLOCK
 from follower_humanoid.ros.qos import LATCHED
 
 READY = "graph/ready"
+RESET = "graph/reset"
 
 
 def expected_readers(topic: str, present: Collection[str]) -> frozenset[str]:
@@ -76,8 +77,13 @@ class Barrier:
         return [] if publisher.get_subscription_count() >= len(infos) else sorted(readers)
 
 
+def reset_known(name: str, tick: int) -> str:
+    """What a node announces once it knows of a reset."""
+    return f"{name} resets at {tick}"
+
+
 class Announcer:
-    """Says once that a node is ready."""
+    """Says that a node is ready, at the start and for each reset."""
 
     def __init__(self, node: Node) -> None:
         """Args: the node that announces itself."""
@@ -88,17 +94,30 @@ class Announcer:
         """Tells everyone, also those who start later."""
         self._publisher.publish(String(data=self._name))
 
+    def announce_reset(self, tick: int) -> None:
+        """Tells the simulator that this node will reset at a tick."""
+        self._publisher.publish(String(data=reset_known(self._name, tick)))
+
 
 class RollCall:
     """Who has announced itself; the simulator holds it."""
 
-    def __init__(self, node: Node, present: Collection[str]) -> None:
-        """Args: the node that listens, and the nodes that run."""
-        self._awaited = {name for name in present if name in NODES and name != SIMULATOR}
+    def __init__(self, node: Node, present: Collection[str], complete: Callable[[], None]) -> None:
+        """Args: the node that listens, the nodes that run, and what to do when the last has spoken."""
+        self.others = frozenset(name for name in present if name in NODES and name != SIMULATOR)
+        self._awaited = set(self.others)
+        self._complete = complete
         node.create_subscription(String, READY, self._heard, LATCHED)
 
+    def expect_reset(self, tick: int) -> None:
+        """From here on it waits until every node knows of the reset."""
+        self._awaited = {reset_known(name, tick) for name in self.others}
+
     def _heard(self, message: String) -> None:
-        self._awaited.discard(message.data)
+        if message.data in self._awaited:
+            self._awaited.discard(message.data)
+            if not self._awaited:
+                self._complete()
 
     def waiting_for(self) -> list[str]:
         """Nodes that are not ready, sorted."""

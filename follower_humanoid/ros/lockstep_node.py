@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any
 
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
-from follower_humanoid.graph.wiring import NODES, PRODUCER, NodeWiring
-from follower_humanoid.robot.model import RobotModel
-from follower_humanoid.ros.barrier import Announcer, Barrier, expected_readers
+from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, NodeWiring
+from follower_humanoid.ros.barrier import RESET, Announcer, Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import NANOSECONDS, Codec, stamp_of
 from follower_humanoid.ros.lockstep import CLOCK, LockStep
 from follower_humanoid.ros.managed_node import ManagedNode, Rate
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
+from follower_humanoid.ros.shared_robot import shared_robot
 from follower_humanoid.ros.validation import MessageError
 
 ABSENT = "graph/absent"
@@ -28,12 +28,6 @@ _TELL_EVERY = 5.0
 _READ_BY_NODES = frozenset(topic for node in NODES.values() for topic in node.inputs.values())
 
 
-@lru_cache(maxsize=2)
-def shared_robot(urdf: str) -> RobotModel:
-    """The model of a URDF, made once for all nodes of a process: it is never written to."""
-    return RobotModel(urdf)
-
-
 class LockStepNode(ManagedNode):
     """Endpoints, start barrier, watchdog and bookkeeping; subclasses say what a step does.
 
@@ -41,6 +35,7 @@ class LockStepNode(ManagedNode):
         wiring: The node's row of the wiring table.
         component: What the node runs, once configured.
         lock: Which messages the next step waits for.
+        reset_at: Tick from which everything begins anew, None where no reset is on its way.
     """
 
     def __init__(self, wiring: NodeWiring, **options: Any) -> None:
@@ -59,6 +54,7 @@ class LockStepNode(ManagedNode):
         self.component: Any = None
         self.lock = LockStep(wiring, self.present, self.awaited_topics())
         self.started = False
+        self.reset_at: int | None = None
         self._codecs: dict[str, Codec] = {}
         self._publishers_by_topic: dict[str, Any] = {}
         self._own_subscriptions: list[Any] = []
@@ -111,6 +107,8 @@ class LockStepNode(ManagedNode):
         self._absent = self.make_publisher(Header, ABSENT)
         self._barrier.watch(self._absent, readers)
         self.make_subscription(Header, ABSENT, self._receive_absent)
+        if self.wiring.name != SIMULATOR:
+            self.make_subscription(Header, RESET, self._receive_reset)
         for topic in self.lock.topics:
             self._listen(topic)
 
@@ -192,8 +190,24 @@ class LockStepNode(ManagedNode):
         if topic in self.lock.topics and self.lock.put(topic, stamp_of(data) // self.tick_ns, None):
             self.run_ready_steps()
 
+    def _receive_reset(self, data: bytes) -> None:
+        self.reset_at = stamp_of(data) // self.tick_ns
+        self._announcer.announce_reset(self.reset_at)
+        self.run_ready_steps()
+
+    def reset(self) -> None:
+        """Begins anew: a fresh component, and nothing from before."""
+        self.component = self.wiring.make(self.config, shared_robot(self.graph.urdf), self.graph.tick)
+
+    def _reset_if_due(self) -> None:
+        if self.reset_at is not None and self.lock.tick >= self.reset_at:
+            self.lock.restart(self.reset_at)
+            self.reset_at = None
+            self.reset()
+
     def run_ready_steps(self) -> None:
         """Takes every step whose inputs are there."""
+        self._reset_if_due()
         while self.running and self.lock.ready and self.exit_status is None and self.may_step():
             tick = self.lock.tick
             begin = time.perf_counter()
@@ -204,6 +218,7 @@ class LockStepNode(ManagedNode):
                 return
             self._steps += 1
             self._busy += time.perf_counter() - begin
+            self._reset_if_due()
 
     # Messages out.
 

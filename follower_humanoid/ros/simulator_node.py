@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from typing import Any
 
 from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger
 
-from follower_humanoid.graph.wiring import SIMULATOR, node_wiring
-from follower_humanoid.ros.barrier import RollCall, expected_readers
+from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
+from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
 from follower_humanoid.ros.codecs import NANOSECONDS, clock_bytes
 from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.ros.graph_config import LEADER, RunConfig
 from follower_humanoid.ros.lockstep import CLOCK
-from follower_humanoid.ros.lockstep_node import LockStepNode, shared_robot
+from follower_humanoid.ros.lockstep_node import LockStepNode
 from follower_humanoid.ros.managed_node import FAILED
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.people import PeopleWrench
 from follower_humanoid.ros.qos import PEOPLE
 from follower_humanoid.ros.run_end import RunEnd
+from follower_humanoid.ros.shared_robot import shared_robot
 
 FELL = 3
 _PACE = 0.0005  # wall time between two looks at the clock when paced [s]
@@ -35,7 +39,10 @@ class SimulatorNode(LockStepNode):
         """Declares the plant's and the run's parameters."""
         super().__init__(node_wiring(SIMULATOR), **options)
         self.run: RunConfig = declare(self, RunConfig)
-        self._roll_call = RollCall(self, self.present)
+        self._roll_call = RollCall(self, self.present, self._all_know)
+        self._waiting_for_all = False
+        self._peak_voltage, self._saturated = 0.0, 0
+        self.create_service(Trigger, "reset", self._reset_asked)
         self._inputs = self.wiring.component_class().Inputs
         self._input_of = {topic: name for name, topic in self.wiring.inputs.items()}
         self._people: list[PeopleWrench] = []
@@ -58,6 +65,8 @@ class SimulatorNode(LockStepNode):
         self._clock_publisher = self.make_publisher(Clock, CLOCK)
         if self._barrier is not None:
             self._barrier.watch(self._clock_publisher, expected_readers(CLOCK, self.present))
+            self._reset_publisher = self.make_publisher(Header, RESET)
+            self._barrier.watch(self._reset_publisher, self._roll_call.others)
         self._people = [self._person(topic) for topic in sorted(PEOPLE_TOPICS)]
 
     def _person(self, topic: str) -> PeopleWrench:
@@ -85,6 +94,8 @@ class SimulatorNode(LockStepNode):
 
     def may_step(self) -> bool:
         """In real time, not before the tick is over on the wall's clock too."""
+        if self._waiting_for_all:
+            return False
         if not self.run.realtime:
             return True
         ahead = (self.lock.tick + 1 - self._skew_tick) * self.graph.tick - (time.monotonic() - self._began)
@@ -99,9 +110,45 @@ class SimulatorNode(LockStepNode):
             held = person.at(tick * self.graph.tick)
             if held is not None:
                 values[self._input_of[person.topic]] = held
-        self.component.advance(self._inputs(**values))
+        inputs = self._inputs(**values)
+        self._note_voltages(inputs)
+        if self.lock.tick == self.reset_at:
+            self.component.reset()
+        else:
+            self.component.advance(inputs)
         self._publish_state()
         self._look_for_end()
+
+    def reset(self) -> None:
+        """The robot stands already; what follows the reset is nobody's old result."""
+
+    def _reset_asked(self, request: Any, response: Any) -> Any:
+        """Tells everyone at which tick to begin anew and waits until all know."""
+        response.success = self.started and self.running and self.reset_at is None
+        if not response.success:
+            response.message = "not running" if self.reset_at is None else "a reset is on its way"
+            return response
+        # Nobody has stepped the tick after the next; slow nodes step at multiples of their period.
+        whole = math.lcm(*(node.period for node in NODES.values()))
+        self.reset_at = -(-(self.lock.tick + 2) // whole) * whole
+        self._roll_call.expect_reset(self.reset_at)
+        self._waiting_for_all = bool(self._roll_call.others)
+        header = Header()
+        header.stamp.sec, header.stamp.nanosec = divmod(self.reset_at * self.tick_ns, NANOSECONDS)
+        self._reset_publisher.publish(header)
+        response.message = f"back on its feet at {self.reset_at * self.graph.tick:.3f} s"
+        return response
+
+    def _all_know(self) -> None:
+        if self._waiting_for_all:
+            self._waiting_for_all = False
+            self.run_ready_steps()
+
+    def _note_voltages(self, inputs: Any) -> None:
+        commands = [command for command in (inputs.legs, inputs.arms) if command is not None]
+        peak = max((float(abs(command.effort).max()) for command in commands), default=0.0)
+        self._peak_voltage = max(self._peak_voltage, peak)
+        self._saturated += peak >= self.component.plant.motors.voltage_limit
 
     def _publish_state(self) -> None:
         tick = self.lock.tick
@@ -151,6 +198,8 @@ class SimulatorNode(LockStepNode):
         if self.exit_status is not None:
             values["ended"] = self.exit_reason
         fall = self.component.fall if self.component is not None else None
+        values["peak_voltage [V]"] = self._peak_voltage
+        values["saturated_ticks"] = self._saturated
         values["fallen"] = fall is not None
         if fall is not None:
             values["error"] = f"fell at {fall.time:.3f} s: {fall.reason}"
