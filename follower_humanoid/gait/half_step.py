@@ -52,6 +52,7 @@ class HalfStep:
     def __init__(
         self, sequence: Sequence, stance: FootPose, swing: SwingFoot, closing: bool, shortest_transfer: float = 0.0
     ) -> None:
+        self._sequence = sequence
         self._phases = sequence.phases
         self._index = 0
         self._shortest_transfer = shortest_transfer
@@ -80,18 +81,12 @@ class HalfStep:
         past = sum(p.share for p in self._phases[: self._index] if p.single_support)
         return (past + self.progress * self.phase.share) / sum(shares)
 
-    @property
-    def transfer_progress(self) -> float:
-        """Progress over all phases of double support, 0…1; 1 after them."""
+    def until_lift_off(self) -> float:
+        """Time until the swing foot leaves the ground by plan, 0 once it has [s]."""
         if self.single_support:
-            return 1.0
-        shares = [phase.share for phase in self._phases if not phase.single_support]
-        past = sum(p.share for p in self._phases[: self._index])
-        return (past + self.progress * self.phase.share) / sum(shares)
-
-    def remaining_swing(self) -> float:
-        """Time until the planned touchdown [s]."""
-        times = [self._phase_time(phase, self.duration) for phase in self._phases[self._index :]]
+            return 0.0
+        ahead = [p for p in self._phases[self._index :] if not p.single_support]
+        times = [self._phase_time(phase, self.duration) for phase in ahead]
         return sum(times) - self.progress * times[0]
 
     def advance(self, context: StepContext, zmp: ConstantSpeedChannel, duration: float, dt: float) -> bool:
@@ -144,12 +139,11 @@ class HalfStep:
 
     def _phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase; the transfer out of standing takes its own [s]."""
-        time = duration * phase.share
-        return time if phase.single_support else max(time, self._shortest_transfer * phase.share / self._double_share)
-
-    @property
-    def _double_share(self) -> float:
-        return sum(phase.share for phase in self._phases if not phase.single_support)
+        time = self._sequence.phase_time(phase, duration)
+        if phase.single_support or self._shortest_transfer == 0.0:
+            return time
+        double = sum(p.share for p in self._phases if not p.single_support)
+        return max(time, self._shortest_transfer * phase.share / double)
 
     def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
         """Names of the active primitives and their completion."""

@@ -68,10 +68,18 @@ class Phase:
 
 @dataclass(frozen=True)
 class Sequence:
-    """Phases of a half-step, in order: double support first, single support last."""
+    """Phases of a half-step, in order: double support first, single support last.
+
+    Attributes:
+        name: For logs and errors.
+        phases: Their shares add up to 1.
+        brisk_time: Half-steps shorter than this spend less of their time on double support, down to half
+            its share: a quick step needs the time for its swing [s].
+    """
 
     name: str
     phases: tuple[Phase, ...]
+    brisk_time: float = 0.0
 
     def __post_init__(self) -> None:
         kinds = [phase.single_support for phase in self.phases]
@@ -82,6 +90,15 @@ class Sequence:
         total = sum(phase.share for phase in self.phases)
         if abs(total - 1.0) > 1e-6:
             raise ConfigurationError(f"sequence '{self.name}': the shares add up to {total}, not 1")
+
+
+    def phase_time(self, phase: Phase, duration: float) -> float:
+        """Time of a phase in a half-step of `duration` [s]."""
+        double = sum(p.share for p in self.phases if not p.single_support)
+        squeeze = min(1.0, max(0.5, duration / self.brisk_time)) if self.brisk_time > 0.0 else 1.0
+        if phase.single_support:
+            return duration * phase.share * (1.0 - squeeze * double) / (1.0 - double)
+        return duration * phase.share * squeeze
 
 
 def primitive_name(primitive: Primitive) -> str:
@@ -110,7 +127,10 @@ def load_sequence(path: str = "") -> Sequence:
         raise ConfigurationError(f"sequence {file}: needs 'name' and a list 'phases'")
     try:
         phases = tuple(_phase(entry, number) for number, entry in enumerate(document["phases"], start=1))
-        return Sequence(str(document.get("name", file.stem)), phases)
+        brisk = document.get("brisk_time", 0.0)
+        if isinstance(brisk, bool) or not isinstance(brisk, int | float) or not 0.0 <= brisk < math.inf:
+            raise ConfigurationError(f"brisk_time = {brisk!r}: needs a time in seconds, 0 = never")
+        return Sequence(str(document.get("name", file.stem)), phases, float(brisk))
     except ConfigurationError as error:
         raise ConfigurationError(f"sequence {file}: {error}") from None
 

@@ -126,8 +126,7 @@ class Walker:
         context = self._context(half.stance, self.landing, gait, loads, half)
         ended = half.advance(context, self.zmp, self._duration(), dt)
         leaving = half.swing.side
-        until_lift = 0.0 if half.single_support else half.remaining_swing() - self._swing_time()
-        self._share_load(leaving, until_lift, dt)
+        self._share_load(leaving, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
 
     def anchor(self, side: Side, foot: FootPose) -> None:
@@ -160,7 +159,7 @@ class Walker:
             for phase in self._sequence.phases:
                 if phase.single_support and lifting is None:
                     lift_off, lifting = len(legs), feet[place.side]
-                legs += phase_zmp_plan(phase, 0.0, context, phase.share * duration)
+                legs += phase_zmp_plan(phase, 0.0, context, self._sequence.phase_time(phase, duration))
             time += duration
             coming.append(place)
             feet[place.side] = place
@@ -229,9 +228,6 @@ class Walker:
     def _duration(self) -> float:
         time = self._config.half_step_time * self._pace.step_length / self._pace.walk_speed
         return max(time, self._config.shortest_half_step)
-
-    def _swing_time(self) -> float:
-        return self._duration() * sum(p.share for p in self._sequence.phases if p.single_support)
 
     def _rest_point(self, feet: dict[Side, FootPose]) -> Array:
         return midpoint(feet[Side.LEFT], feet[Side.RIGHT], self._config.stand_forward)
