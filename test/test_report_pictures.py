@@ -89,7 +89,7 @@ def test_what_was_not_recorded_is_left_out_and_told(tmp_path: Path) -> None:
 def test_a_bag_of_body_motion_alone_still_gives_sticks(tmp_path: Path) -> None:
     names = set(flow(RobotModel(), 0)) - {"joint_states", "odom"}
     report = make_report([("motion", walking(without=tuple(names)))], tmp_path)
-    assert [file.name for file in report.files] == ["report.pdf", "sticks.png"]
+    assert [file.name for file in report.files] == ["report.html", "report.pdf", "sticks.png"]
 
 
 def test_footprints_lie_where_the_soles_stood(run: Run) -> None:

@@ -57,7 +57,11 @@ class Pose:
 
 
 class Body:
-    """Forward kinematics of a recorded run."""
+    """Forward kinematics of a recorded run.
+
+    Attributes:
+        urdf: Text of the model.
+    """
 
     def __init__(self, run: Run) -> None:
         """Makes the model from the run's URDF, or from the package's where the run has none.
@@ -75,6 +79,7 @@ class Body:
         if set(names) != set(run.joint_names):
             raise ConfigurationError("the recorded URDF does not have the recorded joints")
         self._data = self._model.createData()
+        self.urdf = urdf
         self._columns = np.array([run.joint_names.index(name) for name in names])
         self._run = run
 
@@ -112,6 +117,12 @@ class Body:
             placement = pin.updateFramePlacement(self._model, self._data, number)
             position[row], rotation[row] = placement.translation, placement.rotation
         return Pose(position, rotation)
+
+    def pose_quat(self, frame: str, ticks: Integers) -> Array:
+        """One frame as position and quaternion (x, y, z, w) in world, shape (T, 7)."""
+        pose = self.pose(frame, ticks)
+        quats = [pin.Quaternion(rotation).coeffs() for rotation in pose.rotation]
+        return np.concatenate((pose.position, np.array(quats).reshape(-1, 4)), axis=1)
 
     def sole(self, side: Side, ticks: Integers) -> Pose:
         """A sole at the given ticks."""

@@ -1,4 +1,4 @@
-"""A report on recorded runs: every figure as PNG, all of them in one PDF, the steps as CSV."""
+"""A report on recorded runs: figures as PNG, in one PDF and on one HTML page; the steps as CSV."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ from matplotlib.figure import Figure
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.record import Run
 from follower_humanoid.pictures.ground import ground_figure
+from follower_humanoid.pictures.page import write_page
 from follower_humanoid.pictures.signals import feet_figure, gait_figure, voltage_figure
 from follower_humanoid.pictures.stick import stick_figure
-from follower_humanoid.pictures.style import RC, View, views
+from follower_humanoid.pictures.style import FEET, RC, View, views
 from follower_humanoid.pictures.table import table_figure, write_csv
 from follower_humanoid.pictures.zmp import zmp_figure
-
-FEET = ("left_foot/wrench", "right_foot/wrench")
 
 
 @dataclass(frozen=True)
@@ -29,23 +28,30 @@ class Picture:
 
     Attributes:
         name: File name without ending.
+        title: What it shows.
         draw: Makes it from the compared runs.
         needs: Topics without which it cannot be drawn.
     """
 
     name: str
+    title: str
     draw: Callable[[Sequence[View]], Figure]
     needs: tuple[str, ...]
 
 
 PICTURES = (
-    Picture("sticks", stick_figure, ()),
-    Picture("footprints", ground_figure, FEET),
-    Picture("zmp", zmp_figure, ("zmp",)),
-    Picture("forces_and_gait", gait_figure, ("left_hand/applied", "right_hand/applied", "gait")),
-    Picture("feet_and_primitives", feet_figure, FEET),
-    Picture("voltages", voltage_figure, ("legs/command", "arms/command")),
-    Picture("steps", table_figure, FEET),
+    Picture("sticks", "Stick diagram", stick_figure, ()),
+    Picture("footprints", "Footprints", ground_figure, FEET),
+    Picture("zmp", "ZMP and CoM", zmp_figure, ("zmp",)),
+    Picture(
+        "forces_and_gait",
+        "Forces and walking parameters",
+        gait_figure,
+        ("left_hand/applied", "right_hand/applied", "gait"),
+    ),
+    Picture("feet_and_primitives", "Foot forces and primitives", feet_figure, FEET),
+    Picture("voltages", "Joint voltages", voltage_figure, ("legs/command", "arms/command")),
+    Picture("steps", "Half-steps", table_figure, FEET),
 )
 
 
@@ -79,14 +85,17 @@ def make_report(runs: Sequence[tuple[str, Run]], out: Path) -> Report:
     try:
         out.mkdir(parents=True, exist_ok=True)
         with rc_context(RC), PdfPages(out / "report.pdf") as pages:
-            files = [_save(picture, compared, out, pages, notes) for picture in PICTURES]
-            if all(name in view.run for view in compared for name in FEET):
-                write_csv(out / "steps.csv", compared)
-                files.append(out / "steps.csv")
+            saved = {picture: _save(picture, compared, out, pages, notes) for picture in PICTURES}
+        files = [out / "report.html", out / "report.pdf", *(file for file in saved.values() if file)]
+        # The page has the table as text.
+        shown = [(p.title, file) for p, file in saved.items() if file and p.draw is not table_figure]
+        write_page(out / "report.html", compared, shown, notes)
+        if all(name in view.run for view in compared for name in FEET):
+            write_csv(out / "steps.csv", compared)
+            files.append(out / "steps.csv")
     except OSError as error:
         raise ConfigurationError(f"report {out} cannot be written: {error.strerror}") from None
-    written = [file for file in files if file is not None]
-    return Report(tuple(compared), (out / "report.pdf", *written), tuple(notes))
+    return Report(tuple(compared), tuple(files), tuple(notes))
 
 
 def _save(picture: Picture, compared: Sequence[View], out: Path, pages: Any, notes: list[str]) -> Path | None:

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from follower_humanoid.core.samples import Side
+from follower_humanoid.core.samples import SIDES, Side
 from follower_humanoid.graph.record import Integers, Run
 from follower_humanoid.pictures.body import Body
 from follower_humanoid.pictures.steps import Step, find_steps
@@ -23,6 +23,8 @@ SIDE_COLORS = {Side.LEFT: LEFT, Side.RIGHT: RIGHT}
 RUN_COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC3377", "#E69F00", "#56B4E9", "#000000")
 
 AXIS_COLORS = ("#0072B2", "#E69F00", "#009E73")  # x, y, z
+
+FEET = tuple(f"{side.value}_foot/wrench" for side in SIDES)
 
 WIDTH = 7.2  # inches: a page's text width
 RC: dict[Any, Any] = {
@@ -61,7 +63,9 @@ class View:
 
     @cached_property
     def steps(self) -> tuple[Step, ...]:
-        """Half-steps in the order of landing."""
+        """Half-steps in the order of landing; none where the feet were not recorded."""
+        if any(topic not in self.run for topic in FEET):
+            return ()
         return find_steps(self.run, self.body)
 
     def every(self, period: float) -> Integers:
