@@ -81,6 +81,15 @@ def test_what_pip_installed_finds_its_own_files(pip_prefix):
     assert all(path.startswith(str(pip_prefix)) for path in found), found
 
 
+def test_what_pip_installed_runs(pip_prefix):
+    command = [str(pip_prefix / "lib" / NAME / "bringup"), "--no-such-option"]
+    environment = {**os.environ, "PYTHONPATH": site_packages(pip_prefix)}
+    done = subprocess.run(command, cwd="/", env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "--no-such-option" in done.stderr
+    assert done.stderr.strip().count("\n") == 0
+
+
 @pytest.mark.parametrize(
     "options",
     [[], ["--symlink-install"], ["--merge-install"], ["--merge-install", "--symlink-install"]],
