@@ -49,6 +49,12 @@ def ros_is_sourced() -> bool:
     return any(prefix and Path(prefix, "share", "rclpy").is_dir() for prefix in prefixes)
 
 
+def console_scripts() -> list[str]:
+    """What comes into bin/: every executable, and a front for `ros2` where no ROS 2 brings its own."""
+    own = [f"{TABLE['console_script'](name)} = {NAME}.nodes.{name}:main" for name in TABLE["EXECUTABLES"]]
+    return own if ros_is_sourced() else [*own, f"ros2 = {NAME}.ros2_front.main:main"]
+
+
 def shared_files() -> list[tuple[str, list[str]]]:
     """What lies beside the code, each folder with its target under the installation prefix."""
     files = [
@@ -82,10 +88,6 @@ setup(
     python_requires=">=3.10,<3.13",
     install_requires=PYTHON_REQUIREMENTS + ([] if ros_is_sourced() else ROS_REQUIREMENTS),
     extras_require={"test": TEST_REQUIREMENTS},
-    entry_points={
-        "console_scripts": [
-            f"{TABLE['console_script'](name)} = {NAME}.nodes.{name}:main" for name in TABLE["EXECUTABLES"]
-        ]
-    },
+    entry_points={"console_scripts": console_scripts()},
     zip_safe=False,
 )

@@ -97,9 +97,16 @@ def test_setup_requires_every_python_package_that_is_imported(setup):
 
 def test_sourced_ros_is_not_hidden_by_wheels(tmp_path):
     (tmp_path / "share" / "rclpy").mkdir(parents=True)
-    required = " ".join(setup_words(f"/nowhere:{tmp_path}")["install_requires"])
+    words = setup_words(f"/nowhere:{tmp_path}")
+    required = " ".join(words["install_requires"])
     assert "pybullet" in required
     assert "rclpy" not in required
+    assert not any(script.startswith("ros2 ") for script in words["entry_points"]["console_scripts"])
+
+
+def test_ros2_has_a_stand_in_where_no_ros_is_sourced(setup):
+    assert "ros2 = follower_humanoid.ros2_front.main:main" in setup["entry_points"]["console_scripts"]
+    assert importlib.util.find_spec("follower_humanoid.ros2_front.main")
 
 
 @pytest.mark.parametrize("name", EXECUTABLES)
