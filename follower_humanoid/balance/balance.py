@@ -15,6 +15,7 @@ from follower_humanoid.balance.dcm_law import (
     attitude_shift,
     desired_force,
     desired_zmp,
+    measured_dcm,
     yaw_moment,
 )
 from follower_humanoid.balance.foot_wrenches import FootShares, SoleConfig, foot_wrench, share_feet
@@ -76,6 +77,7 @@ class BalanceOutputs:
     zmp: Point | None
     zmp_command: Point | None
     com: Point
+    dcm: Point | None
     support_polygon: Polygon | None
 
 
@@ -124,10 +126,10 @@ class ZmpBalance:
             inputs.reference is None or inputs.base is None or inputs.contacts is None
             or inputs.zmp_reference is None or inputs.dcm_reference is None
         ):  # fmt: skip
-            nothing = dict.fromkeys(("reference", "left_foot_reference", "right_foot_reference", "zmp_command"))
+            nothing = dict.fromkeys(("reference", "left_foot_reference", "right_foot_reference", "zmp_command", "dcm"))
             return BalanceOutputs(**measured, **nothing)
         hands = self._hands(inputs)
-        shares, force, moment = self._correct(inputs, state, hands, places, v)
+        shares, force, moment, dcm = self._correct(inputs, state, hands, places, v)
         friction = self._config.soles.friction
         wrenches = {
             side: foot_wrench(shares.share[side], shares.point[side], force, moment, places[side], friction)
@@ -139,6 +141,7 @@ class ZmpBalance:
             left_foot_reference=wrenches[Side.LEFT],
             right_foot_reference=wrenches[Side.RIGHT],
             zmp_command=_ground(shares.zmp),
+            dcm=_ground(dcm),
         )
 
     def diagnostics(self) -> dict[str, float | str]:
@@ -167,8 +170,8 @@ class ZmpBalance:
 
     def _correct(
         self, inputs: BalanceInputs, state: CenterState, hands: HandEffect, places: dict[Side, SolePlace], v: Array
-    ) -> tuple[FootShares, Array, float]:
-        """Desired ZMP from the DCM error, then the ground force and yaw moment that make it."""
+    ) -> tuple[FootShares, Array, float, Array]:
+        """Desired ZMP from the DCM error, the ground force and yaw moment that make it, and the DCM."""
         if inputs.base is None or inputs.reference is None or inputs.contacts is None:
             raise ValueError("a correction needs a reference")
         if inputs.zmp_reference is None or inputs.dcm_reference is None:
@@ -178,8 +181,9 @@ class ZmpBalance:
         pin.computeCentroidalMomentum(robot.pin_model, self._wanted, q_ref, v_ref)
         reference = CenterState(np.array(self._wanted.com[0]), np.array(self._wanted.vcom[0]))
         omega = natural_frequency(float(reference.com[2]))
+        dcm = measured_dcm(state, hands, omega)
         zmp = desired_zmp(
-            state, inputs.dcm_reference.xyz[:2], inputs.zmp_reference.xyz[:2], hands, omega, config.dcm.proportional
+            dcm, inputs.dcm_reference.xyz[:2], inputs.zmp_reference.xyz[:2], omega, config.dcm.proportional
         )
         zmp = share_feet(zmp, places, inputs.contacts, config.soles).zmp
         rotation, wanted = self._measured.oMi[1].rotation, self._wanted.oMi[1].rotation
@@ -192,7 +196,7 @@ class ZmpBalance:
             momentum_shift(momentum_rate, robot.mass), hands, omega, robot.mass, config.dcm,
         )  # fmt: skip
         moment = yaw_moment(error, rate, float(momentum_rate[2]), config.dcm)
-        return share_feet(zmp + shift, places, inputs.contacts, config.soles), force, moment
+        return share_feet(zmp + shift, places, inputs.contacts, config.soles), force, moment, dcm
 
     def _momentum_rate(self) -> Array:
         """L̇ of the reference about its CoM, from one tick to the next, low-passed, shape (3,) [N·m]."""

@@ -41,22 +41,29 @@ class CenterState:
     velocity: Array
 
 
-def desired_zmp(
-    state: CenterState, dcm_reference: Array, zmp_reference: Array, hands: HandEffect, omega: float, gain: float
-) -> Array:
-    """p = p_ref + (1 + k/ω)(ξ − ξ_ref) with ξ = (c + ċ/ω + γ)/κ: the DCM error decays as e^{−kt}.
+def measured_dcm(state: CenterState, hands: HandEffect, omega: float) -> Array:
+    """ξ = (c + ċ/ω + γ)/κ: the DCM with what the hands do taken in, shape (2,) [m].
 
     Args:
         state: Measured CoM.
-        dcm_reference, zmp_reference: Plan in world, shape (2,) [m].
         hands: Effect of the hand forces.
+        omega: Natural frequency [1/s].
+    """
+    return np.array((state.com[:2] + state.velocity[:2] / omega + hands.gamma) / hands.kappa)
+
+
+def desired_zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, omega: float, gain: float) -> Array:
+    """p = p_ref + (1 + k/ω)(ξ − ξ_ref): the DCM error decays as e^{−kt}.
+
+    Args:
+        dcm: Measured, in world, shape (2,) [m].
+        dcm_reference, zmp_reference: Plan in world, shape (2,) [m].
         omega: Natural frequency [1/s].
         gain: Decay rate k [1/s].
 
     Returns:
         ZMP in world before any limit, shape (2,) [m].
     """
-    dcm = (state.com[:2] + state.velocity[:2] / omega + hands.gamma) / hands.kappa
     return np.array(zmp_reference + (1.0 + gain / omega) * (dcm - dcm_reference))
 
 

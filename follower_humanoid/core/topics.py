@@ -68,6 +68,7 @@ _TABLE = (
     Topic("zmp", samples.Point),
     Topic("zmp_command", samples.Point),
     Topic("com", samples.Point),
+    Topic("dcm", samples.Point),
     Topic("support_polygon", samples.Polygon),
     # controllers
     Topic("legs/command", samples.Joints, "base_link", joints="legs"),

@@ -27,6 +27,7 @@ from follower_humanoid.core.samples import (
     Side,
     Wrench,
 )
+from follower_humanoid.gait.capture import CaptureConfig, footprint_weight, landing_shift, shifted
 from follower_humanoid.gait.differential_ik import BodyTask, DifferentialIk, FootTask, IkConfig
 from follower_humanoid.gait.feet import FootPose, FootstepConfig, half_step_length
 from follower_humanoid.gait.pelvis_height import PelvisConfig, PelvisHeight, Reach
@@ -52,6 +53,7 @@ class CompositionConfig:
     footsteps: FootstepConfig = field(default_factory=FootstepConfig)
     ik: IkConfig = field(default_factory=IkConfig)
     pelvis: PelvisConfig = field(default_factory=PelvisConfig)
+    capture: CaptureConfig = field(default_factory=CaptureConfig)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +65,7 @@ class CompositionInputs:
     left_foot: Wrench
     right_foot: Wrench
     gait: Gait | None
+    dcm: Point | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,9 +119,10 @@ class MotionComposition:
         plan = walker.plan_ahead(gait)
         omega = natural_frequency(float(ik.com[2]))
         dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, self._config.walker.preview)
+        self._momentum = momentum_shift(ik.angular_momentum, self._robot.mass)
+        self._catch(walker, dcm_plan, omega, inputs.dcm)
         reach = self._config.zmp_reach_double if walker.swinging is None else self._config.zmp_reach
-        momentum = momentum_shift(ik.angular_momentum, self._robot.mass)
-        pendulum = self._pendulum.advance(walker.zmp.position, dcm_plan, momentum, omega, reach, dt)
+        pendulum = self._pendulum.advance(walker.zmp.position, dcm_plan, self._momentum, omega, reach, dt)
         self._advance_pelvis(walker, plan, omega)
         self._advance_body(walker, pendulum.com, pendulum.com_velocity)
         names, completion = walker.half_step.active() if walker.half_step is not None else ((), ())
@@ -147,7 +151,22 @@ class MotionComposition:
         com = self._ik.com[:2]
         self._walker = Walker(config.walker, config.footsteps, self._sequence, feet, com)
         self._pendulum = ReferencePendulum(com, config.dcm_convergence)
+        self._momentum: Array = np.zeros(2)
         self._pelvis = PelvisHeight(config.pelvis, float(q[2]))
+
+    def _catch(self, walker: Walker, dcm_plan: Array, omega: float, measured: Point | None) -> None:
+        """A DCM that the ZMP cannot bring back moves the landing place, and the reference with it."""
+        config = self._config.capture
+        if not config.enabled or measured is None or not walker.catching or walker.landing is None:
+            return
+        landing = walker.landing
+        weight = footprint_weight(*walker.landing_times(), omega)
+        present = shifted(landing, walker.shift).xy - landing.xy
+        error = measured.xyz[:2] - (dcm_plan - weight * present) + omega * self._momentum
+        shift = landing_shift(error, landing, weight, config)
+        walker.catch(shift, config.hurry)
+        if np.any(shift != 0.0):
+            self._pendulum.take_over(measured.xyz[:2])
 
     def _measured_foot(self, side: Side, q: Array) -> FootPose:
         pin.forwardKinematics(self._robot.pin_model, self._data, q)

@@ -56,6 +56,7 @@ class HalfStep:
         self._phases = sequence.phases
         self._index = 0
         self._shortest_transfer = shortest_transfer
+        self._hurried: float | None = None
         self.stance = stance
         self.swing = swing
         self.closing = closing
@@ -88,6 +89,15 @@ class HalfStep:
         ahead = [p for p in self._phases[self._index :] if not p.single_support]
         times = [self._phase_time(phase, self.duration) for phase in ahead]
         return sum(times) - self.progress * times[0]
+
+    def until_landing(self) -> float:
+        """Time until the swing foot touches down by plan [s]."""
+        times = [self._phase_time(phase, self.duration) for phase in self._phases[self._index :]]
+        return sum(times) - self.progress * times[0]
+
+    def hurry(self, swing_time: float) -> None:
+        """From now on the swing goes at the speed of one that takes this time in all [s]."""
+        self._hurried = swing_time
 
     def advance(self, context: StepContext, zmp: ConstantSpeedChannel, duration: float, dt: float) -> bool:
         """One tick of every active primitive.
@@ -140,6 +150,9 @@ class HalfStep:
     def _phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase; the transfer out of standing takes its own [s]."""
         time = self._sequence.phase_time(phase, duration)
+        if phase.single_support and self._hurried is not None:
+            single = sum(p.share for p in self._phases if p.single_support)
+            return min(time, self._hurried * phase.share / single)
         if phase.single_support or self._shortest_transfer == 0.0:
             return time
         double = sum(p.share for p in self._phases if not p.single_support)

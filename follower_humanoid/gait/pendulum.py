@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,6 +55,14 @@ class ReferencePendulum:
         self._smooth_momentum_rate: Array = np.zeros(2)
         self.state = PendulumState(np.array(com), np.zeros(2), np.array(com), np.array(com))
 
+    def take_over(self, dcm: Array) -> None:
+        """The robot is where a push has brought it: the reference goes on from there.
+
+        Args:
+            dcm: Measured DCM, shape (2,) [m].
+        """
+        self.state = replace(self.state, dcm=dcm)
+
     def advance(
         self, zmp_plan: Array, dcm_plan: Array, momentum: Array, omega: float, reach: float, dt: float
     ) -> PendulumState:
@@ -80,7 +88,7 @@ class ReferencePendulum:
         growth = math.exp(omega * dt)
         dcm = pivot + growth * (old.dcm - pivot)
         cosh, sinh = 0.5 * (growth + 1.0 / growth), 0.5 * (growth - 1.0 / growth)
-        com = pivot + cosh * (old.com - pivot) + (sinh / omega) * old.com_velocity
+        com = pivot + cosh * (old.com - pivot) + sinh * (old.dcm - old.com)
         self.state = PendulumState(com, omega * (dcm - com), dcm, zmp)
         return self.state
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Gait, Side
+from follower_humanoid.gait.capture import shifted
 from follower_humanoid.gait.channel import ConstantSpeedChannel
 from follower_humanoid.gait.feet import (
     FootPose,
@@ -71,6 +72,7 @@ class Walker:
         landing: Landing pose of the half-step in the making.
         zmp: Channel of the planned ZMP.
         shares: Share of the weight either foot may take by plan, 0…1.
+        shift: Capture shift of the landing, (forward, outward) in axes of the landing foot [m].
         taken: Footprints in order, each with True if it counts as a half-step.
     """
 
@@ -80,6 +82,7 @@ class Walker:
     ) -> None:  # fmt: skip
         self._config = config
         self._footsteps = footsteps
+        self.shift: Array = np.zeros(2)
         self._sequence = sequence
         self.feet = dict(feet)
         self.half_step: HalfStep | None = None
@@ -122,12 +125,32 @@ class Walker:
             return None
         if half.swing_progress < self._config.freeze:
             half.closing = gait.walk_speed == 0.0
-            self.landing = self._landing(half.stance, gait)
+            self.landing = shifted(self._landing(half.stance, gait), self.shift)
         context = self._context(half.stance, self.landing, gait, loads, half)
         ended = half.advance(context, self.zmp, self._duration(), dt)
         leaving = half.swing.side
         self._share_load(leaving, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
+
+    @property
+    def catching(self) -> bool:
+        """Whether a landing place can still be moved: during the swing until it is frozen."""
+        half = self.half_step
+        return half is not None and half.single_support and half.swing_progress < self._config.freeze
+
+    def landing_times(self) -> tuple[float, float]:
+        """Time to touchdown of the swing, and time of the double support after it [s]."""
+        half, sequence = self.half_step, self._sequence
+        if half is None:
+            return math.inf, 1.0
+        double = [phase for phase in sequence.phases if not phase.single_support]
+        return half.until_landing(), sum(sequence.phase_time(phase, self._duration()) for phase in double)
+
+    def catch(self, shift: Array, swing_time: float) -> None:
+        """Moves the landing of the present swing and hurries it when it is moved [m], [s]."""
+        self.shift = shift
+        if self.half_step is not None and bool(np.any(shift != 0.0)):
+            self.half_step.hurry(swing_time)
 
     def anchor(self, side: Side, foot: FootPose) -> None:
         """The foot stands where it is measured, not where it was sent."""
@@ -180,6 +203,7 @@ class Walker:
         return mean_yaw(yaws[Side.LEFT], yaws[Side.RIGHT])
 
     def _begin(self, swing: Side, gait: Gait, toes: dict[Side, float], shortest_transfer: float = 0.0) -> None:
+        self.shift = np.zeros(2)
         stance = self.feet[swing.other]
         foot = SwingFoot(self.feet[swing], toes[swing])
         closing = gait.walk_speed == 0.0

@@ -110,7 +110,7 @@ WIRING: tuple[NodeWiring, ...] = (
     NodeWiring(
         "motion_composition",
         "gait.composition:MotionComposition",
-        inputs={**_BODY_STATE, **_FEET, "gait": "gait"},
+        inputs={**_BODY_STATE, **_FEET, "gait": "gait", "dcm": "dcm"},
         outputs={
             "reference": "motion/reference",
             "base": "motion/base",
@@ -141,6 +141,7 @@ WIRING: tuple[NodeWiring, ...] = (
             "zmp": "zmp",
             "zmp_command": "zmp_command",
             "com": "com",
+            "dcm": "dcm",
             "support_polygon": "support_polygon",
         },
     ),
