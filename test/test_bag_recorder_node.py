@@ -15,8 +15,10 @@ import numpy as np
 import pytest
 import rclpy
 from bag_messages import imu, joint_positions, joint_state, odometry, point, wrench
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, WrenchStamped
 from nav_msgs.msg import Odometry
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosbags.highlevel import AnyReader
@@ -47,6 +49,10 @@ class Graph:
         self.publishers = {
             name: self.node.create_publisher(kind, name, DEEP) for name, (kind, _) in MESSAGES.items()
         }
+        self.written = 0
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._hear, 10)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
         self.person = self.node.create_publisher(WrenchStamped, "base/push", PEOPLE)
 
     def wait_for_recorder(self) -> None:
@@ -62,7 +68,21 @@ class Graph:
                 self.publishers[name].publish(make(tick))
             time.sleep(pause)
 
+    def wait_until_written(self, count: int) -> None:
+        """Until the recorder says that it has written so many messages."""
+        deadline = time.monotonic() + PATIENCE
+        while self.written < count:
+            assert time.monotonic() < deadline, f"{self.written} of {count} messages were written"
+            self.executor.spin_once(timeout_sec=0.1)
+
+    def _hear(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.name.endswith("/recorder"):
+                values = {entry.key: entry.value for entry in status.values}
+                self.written = int(values.get("messages", 0))
+
     def close(self) -> None:
+        self.executor.shutdown()
         self.node.destroy_node()
         rclpy.shutdown(context=self.context)
 
@@ -101,8 +121,9 @@ def test_everything_published_is_in_the_bag(graph: Graph, tmp_path: Path) -> Non
     recorder = start_recorder(tmp_path / "run", "-p", f"about:={about}")
     graph.wait_for_recorder()
     graph.publish(range(300))
+    graph.wait_until_written(4 * 300 + 60)
     graph.person.publish(wrench(0, 5.0, "torso"))
-    time.sleep(0.3)
+    time.sleep(0.5)
     assert end(recorder, signal.SIGTERM) == 0
     run = read_run(tmp_path / "run")
     assert run.notes == ()
@@ -127,7 +148,7 @@ def test_a_namespace_is_kept(tmp_path: Path) -> None:
         recorder = start_recorder(tmp_path / "named", "-r", "__ns:=/first")
         graph.wait_for_recorder()
         graph.publish(range(20))
-        time.sleep(0.2)
+        graph.wait_until_written(4 * 20 + 4)
         assert end(recorder, signal.SIGINT) == 0
     finally:
         graph.close()
@@ -139,6 +160,7 @@ def test_the_bag_is_closed_when_the_simulator_dies(tmp_path: Path) -> None:
     recorder = start_recorder(tmp_path / "lost")
     graph.wait_for_recorder()
     graph.publish(range(50))
+    graph.wait_until_written(4 * 50 + 10)
     graph.close()
     assert recorder.wait(PATIENCE) == 0
     assert len(read_run(tmp_path / "lost")["joint_states"]) == 50
@@ -149,6 +171,7 @@ def test_a_killed_recorder_leaves_a_readable_file(graph: Graph, tmp_path: Path) 
     recorder = start_recorder(tmp_path / "killed")
     graph.wait_for_recorder()
     graph.publish(range(1000))
+    graph.wait_until_written(4 * 1000)
     recorder.kill()
     recorder.wait()
     run = read_run(tmp_path / "killed")

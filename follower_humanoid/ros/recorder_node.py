@@ -26,6 +26,8 @@ from follower_humanoid.bag.recorder import (
     recorded_topics,
 )
 from follower_humanoid.bag.writer import BagWriter
+from follower_humanoid.graph.wiring import PRODUCER
+from follower_humanoid.ros.barrier import Announcer
 from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.managed_node import FAILED, ManagedNode
 from follower_humanoid.ros.parameters import declare
@@ -34,6 +36,7 @@ from follower_humanoid.ros.parameters import declare
 _DEPTH = 2000
 _LATE = 0.1  # wall time without a message after which nothing more is expected at the end [s]
 _LONGEST_END = 1.0
+_MATCH_POLL = 0.05
 _GONE = 2.0  # wall time without the simulator after which the run is over [s]
 
 
@@ -55,6 +58,9 @@ class RecorderNode(ManagedNode):
         self._poll = self.create_timer(self.config.poll, self._visit, clock=self._wall)
         self._poll.cancel()
         self.create_timer(0.5, self._look_for_simulator, clock=self._wall)
+        self._announcer = Announcer(self)
+        self._matching = self.create_timer(_MATCH_POLL, self._look_for_publishers, clock=self._wall)
+        self._matching.cancel()
         self._alone_since: float | None = None
 
     @property
@@ -74,10 +80,12 @@ class RecorderNode(ManagedNode):
     def start(self) -> None:
         """Begins to empty the queues."""
         self._poll.reset()
+        self._matching.reset()
 
     def stop(self) -> None:
         """Lets the queues fill until the node goes on."""
         self._poll.cancel()
+        self._matching.cancel()
 
     def tear_down(self) -> None:
         """Closes the bag."""
@@ -150,6 +158,17 @@ class RecorderNode(ManagedNode):
         profiles = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
         offered = [offered_qos(p.reliability.name.lower(), p.durability.name.lower()) for p in profiles]
         return name, offered or [offered_qos()]
+
+    def _look_for_publishers(self) -> None:
+        """Announces the recorder once it hears everyone: a publisher may find its readers first."""
+        awaited = (
+            tap
+            for topic, tap in self._taps
+            if topic.name in PRODUCER and PRODUCER[topic.name].name in self.present
+        )
+        if all(tap.get_publisher_count() for tap in awaited):
+            self._matching.cancel()
+            self._announcer.announce()
 
     def _look_for_simulator(self) -> None:
         """Ends the node when there have been states and nobody is left to send any."""
