@@ -143,7 +143,10 @@ class BringupRun:
         self._director.spin(0.05)
         self._line.end()
         status = self._status(ended, asked, stuck)
-        text = summary_text(self._director.values)
+        values = dict(self._director.values)
+        if self._plan.options.bag:
+            values[RECORDER] = {"bag": str(self._plan.options.bag)}
+        text = summary_text(values)
         if text:
             print(f"the run came to this:\n{text}", flush=True)
         return status

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any, cast
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -31,6 +32,7 @@ class ManagedNode(LifecycleNode):
         graph: Parameters shared by all nodes.
         exit_status: None while the node runs; the process ends once it is set.
         exit_reason: One line with the reason.
+        when_over: Called once the status is set.
     """
 
     def __init__(self, name: str, **options: Any) -> None:
@@ -45,6 +47,7 @@ class ManagedNode(LifecycleNode):
         self.tick_ns = round(self.graph.tick * NANOSECONDS)
         self.exit_status: int | None = None
         self.exit_reason = ""
+        self.when_over: Callable[[], None] = lambda: None
         self.running = False
         self.rejected = 0
         self.logger: Any = cast(Any, self).get_logger()
@@ -81,6 +84,7 @@ class ManagedNode(LifecycleNode):
             self.exit_status, self.exit_reason = status, reason
             if status == FAILED:
                 self.logger.error(reason)
+            self.when_over()
 
     def tell_once(self, text: str) -> None:
         """Warns, but not again with the same words."""

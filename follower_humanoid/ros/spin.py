@@ -23,21 +23,34 @@ from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, ManagedNode
 
 PARENT = "FOLLOWER_HUMANOID_PARENT"
 _PR_SET_PDEATHSIG = 1
-# The executor's wait without a time limit hangs at full load and hears no signal, so each wait is short.
+# The executor's wait without a time limit hears no signal. One with a limit looks at it only when
+# it has nothing to do, so a busy executor is stopped by a future that completes.
 _WAIT = 0.1
 
 
 class StopSignal:
-    """Remembers that SIGINT or SIGTERM asked to stop."""
+    """Remembers that SIGINT or SIGTERM asked to stop.
+
+    Attributes:
+        asked: True from then on.
+        over: Completes then, or when `end` is called.
+    """
 
     def __init__(self) -> None:
         """Takes over both signals."""
         self.asked = False
+        self.over: Any = Future()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._ask)
 
+    def end(self) -> None:
+        """Wakes whoever waits for `over`."""
+        if not self.over.done():
+            self.over.set_result(None)
+
     def _ask(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
+        self.end()
 
 
 def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = None) -> int:
@@ -54,6 +67,7 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
     try:
         for make in makers:
             nodes.append(make())
+            nodes[-1].when_over = stop.end
         return _spin(nodes, stop)
     except ConfigurationError as error:
         print(error, file=sys.stderr)
@@ -72,7 +86,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
     ended: ManagedNode | None = None
     try:
         while ended is None and not stop.asked and ok():
-            executor.spin_until_future_complete(Future(), timeout_sec=_WAIT)
+            executor.spin_until_future_complete(stop.over, timeout_sec=_WAIT)
             ended = next((node for node in nodes if node.exit_status is not None), None)
         for node in nodes:
             node.finish()

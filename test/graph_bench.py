@@ -1,0 +1,139 @@
+"""Runs bringup as a user does, and looks at what it leaves behind."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from follower_humanoid.resources import node_command
+
+PATIENCE = 90.0  # wall time for anything that takes seconds on a free machine [s]
+
+
+def environment() -> dict[str, str]:
+    """A ROS domain of its own for each run: others may run beside it."""
+    return {**os.environ, "ROS_DOMAIN_ID": str(random.randint(1, 100))}
+
+
+def wait_until(condition, patience: float = PATIENCE) -> bool:
+    end = time.monotonic() + patience
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def processes_with_parent_mark(pid: int) -> list[tuple[int, str]]:
+    """Process ids and command lines of everything that a bringup with this id has started."""
+    found = []
+    mark = f"FOLLOWER_HUMANOID_PARENT={pid}".encode()
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            if mark in (entry / "environ").read_bytes().split(b"\0"):
+                words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+                if words:  # a zombie has none
+                    found.append((int(entry.name), words))
+        except OSError:  # gone meanwhile, or not ours
+            continue
+    return found
+
+
+@dataclass
+class Bringup:
+    """A running bringup."""
+
+    process: subprocess.Popen[str]
+    out: Path
+    err: Path
+    environment: dict[str, str]
+
+    @property
+    def said(self) -> str:
+        return self.out.read_text()
+
+    @property
+    def complained(self) -> str:
+        return self.err.read_text()
+
+    def children(self) -> list[tuple[int, str]]:
+        return processes_with_parent_mark(self.process.pid)
+
+    def child(self, name: str) -> int:
+        """Process id of the node of that name."""
+        return next(pid for pid, words in self.children() if f"/{name} " in words)
+
+    def wait_for(self, text: str) -> None:
+        """Until the status line contains the text."""
+        assert wait_until(lambda: text in self.said or self.process.poll() is not None), self.complained
+        assert text in self.said, self.complained
+
+    def wait_until_it_runs(self) -> None:
+        """Until simulated time goes on."""
+
+        def runs() -> bool:
+            times = [line.split()[2] for line in self.said.splitlines() if line.startswith("t = ")]
+            return any(float(t) > 0.0 for t in times)
+
+        assert wait_until(lambda: runs() or self.process.poll() is not None)
+        assert self.process.poll() is None, self.complained
+
+    def end(self, number: int = signal.SIGTERM) -> float:
+        """Sends a signal; returns how long the end took [s]."""
+        begin = time.monotonic()
+        self.process.send_signal(number)
+        self.process.wait(PATIENCE)
+        return time.monotonic() - begin
+
+    def wait(self) -> int:
+        return self.process.wait(PATIENCE)
+
+
+@contextmanager
+def bringup(folder: Path, *args: str) -> Iterator[Bringup]:
+    """A bringup with these arguments; at the end nothing of it is left."""
+    number = random.randint(0, 10**9)
+    out, err = folder / f"out{number}.txt", folder / f"err{number}.txt"
+    own = environment()
+    with out.open("w") as o, err.open("w") as e:
+        process = subprocess.Popen(
+            [*node_command("bringup"), *args], cwd=folder, env=own, stdout=o, stderr=e, text=True
+        )
+    try:
+        yield Bringup(process, out, err, own)
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        left = processes_with_parent_mark(process.pid)
+        if not wait_until(lambda: not processes_with_parent_mark(process.pid), 5.0):
+            for pid, _ in processes_with_parent_mark(process.pid):
+                os.kill(pid, signal.SIGKILL)
+            raise AssertionError(f"left behind: {left}")
+
+
+def run(folder: Path, *args: str) -> Bringup:
+    """A bringup from beginning to end."""
+    with bringup(folder, *args) as running:
+        running.wait()
+    return running
+
+
+def node(name: str, env: dict[str, str], args: Sequence[str] = ()) -> subprocess.Popen[bytes]:
+    """One node started by hand."""
+    return subprocess.Popen([*node_command(name), *args], env=env, stdout=subprocess.DEVNULL)
+
+
+def script(text: str, env: dict[str, str]) -> subprocess.Popen[bytes]:
+    """A user's own little program."""
+    return subprocess.Popen([sys.executable, "-c", text], env=env)

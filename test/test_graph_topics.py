@@ -1,0 +1,102 @@
+"""Who listens to what in the running graph: the wiring table, and nothing that the contract forbids."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.parameter import Parameter
+
+from follower_humanoid.core.topics import READERS, TOPICS
+from follower_humanoid.graph.wiring import NODES, SIMULATOR, WIRING, used_tick
+from follower_humanoid.ros.barrier import RESET
+from follower_humanoid.ros.component_node import ComponentNode
+from follower_humanoid.ros.lockstep import CLOCK
+from follower_humanoid.ros.lockstep_node import ABSENT
+from follower_humanoid.ros.simulator_node import SimulatorNode
+
+NAMESPACE = "/robots/one"
+OWN = {ABSENT, RESET, CLOCK, "graph/ready"}
+ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
+
+
+@pytest.fixture(scope="module")
+def endpoints():
+    """Node → (topics it listens to, topics it publishes), as the graph tells, namespace taken off."""
+    context = Context()
+    rclpy.init(context=context, args=["--ros-args", "-r", f"__ns:={NAMESPACE}"])
+    still = [Parameter("autostart", value=False)]
+    nodes = {
+        name: SimulatorNode(context=context, parameter_overrides=still)
+        if name == SIMULATOR
+        else ComponentNode(name, context=context, parameter_overrides=still)
+        for name in NODES
+    }
+    for made in nodes.values():
+        made.trigger_configure()
+    assert [made.exit_reason for made in nodes.values() if made.exit_status is not None] == []
+    asked = nodes[SIMULATOR]
+    found = {}
+    for _ in range(100):
+        found = {
+            name: (
+                topics_of(asked.get_subscriber_names_and_types_by_node, name),
+                topics_of(asked.get_publisher_names_and_types_by_node, name),
+            )
+            for name in nodes
+        }
+        if all(set(node.outputs.values()) <= found[node.name][1] for node in WIRING):
+            break
+        time.sleep(0.05)
+    yield found
+    for made in nodes.values():
+        made.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def topics_of(ask, name):
+    full = {topic for topic, _ in ask(name, NAMESPACE)}
+    above = f"{NAMESPACE}/"
+    outside = {topic for topic in full if not topic.startswith(above)}
+    assert outside <= ROS_OWN, "a name that does not follow the namespace"
+    own = {topic.removeprefix(above) for topic in full - outside}
+    return own - {f"{name}/transition_event"}  # the lifecycle's own
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_node_listens_to_its_row_of_the_wiring_and_to_nothing_else(endpoints, name):
+    listens, _ = endpoints[name]
+    assert listens - OWN == set(NODES[name].inputs.values())
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_node_publishes_its_row_of_the_wiring_and_nothing_else(endpoints, name):
+    _, publishes = endpoints[name]
+    assert publishes - OWN == set(NODES[name].outputs.values())
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_nobody_reads_what_the_contract_does_not_let_it_read(endpoints, topic):
+    readers = {name for name, (listens, _) in endpoints.items() if topic in listens}
+    assert readers <= READERS.get(topic, frozenset(NODES))
+
+
+def test_what_the_leader_does_is_known_to_the_simulator_only(endpoints):
+    for topic in ("leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"):
+        assert {name for name, (listens, _) in endpoints.items() if topic in listens} == {SIMULATOR}
+
+
+def test_the_clock_comes_from_the_simulator_alone(endpoints):
+    assert {name for name, (_, publishes) in endpoints.items() if CLOCK in publishes} == {SIMULATOR}
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_every_topic_has_one_source(topic):
+    assert sum(topic in node.outputs.values() for node in WIRING) == 1
+
+
+def test_only_the_state_and_the_commands_of_a_tick_are_used_at_that_tick():
+    same = {topic for topic in TOPICS if used_tick(10, topic) == 10}
+    assert same == {t for n in (SIMULATOR, "leg_controller", "arm_controller") for t in NODES[n].outputs.values()}
