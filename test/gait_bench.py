@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from follower_humanoid.core.samples import SIDES, Array, Gait, Joints, Odometry, Side, Wrench
+from follower_humanoid.core.samples import SIDES, Array, Footstep, Gait, Joints, Odometry, Side, Wrench
 from follower_humanoid.gait.composition import CompositionConfig, CompositionOutputs, MotionComposition
 from follower_humanoid.gait.feet import FootPose, FootstepConfig
 from follower_humanoid.gait.sequence import Sequence, load_sequence
@@ -70,6 +71,11 @@ def frame_pose(q: Array, name: str) -> pin.SE3:
     model, data = robot().pin_model, robot().pin_model.createData()
     pin.forwardKinematics(model, data, q)
     return pin.updateFramePlacement(model, data, robot().frame_id(name)).copy()
+
+
+def inputs_of(component: Any, **known: Any) -> Any:
+    """Inputs of a component; what is not given has not come yet."""
+    return component.Inputs(**{**dict.fromkeys(f.name for f in fields(component.Inputs)), **known})
 
 
 def vertical(force: float) -> Wrench:
@@ -167,8 +173,14 @@ class IdealRobot:
 
     def tick(self, gait: Gait | None) -> CompositionOutputs:
         left, right = (vertical(WEIGHT * self.loads[side]) for side in SIDES)
-        inputs = MotionComposition.Inputs(self.joints, self.base, left, right, gait)
-        out = self.composition.step(inputs, self.time)
+        known = {
+            "joints": self.joints,
+            "odometry": self.base,
+            "left_foot": left,
+            "right_foot": right,
+            "gait": gait,
+        }
+        out = self.composition.step(inputs_of(MotionComposition, **known), self.time)
         self.time += self.dt
         self.joints, self.base = out.reference, out.base
         total = out.contacts.left + out.contacts.right
@@ -181,6 +193,19 @@ class IdealRobot:
 
     def sole(self, side: Side) -> pin.SE3:
         return frame_pose(configuration_of(self.outputs[-1]), f"{side.prefix}_sole")
+
+    def foot(self, side: Side) -> FootPose:
+        sole = self.sole(side)
+        return FootPose(side, *map(float, sole.translation[:2]), yaw_of(sole.rotation))
+
+    def steps(self) -> list[Footstep]:
+        """All steps taken so far, in order, from what was published."""
+        found: dict[tuple[float, ...], Footstep] = {}
+        for out in self.outputs:
+            for step in out.footsteps.steps if out.footsteps is not None else ():
+                if step.taken:
+                    found.setdefault((*step.position, step.yaw), step)
+        return list(found.values())
 
 
 def configuration_of(out: CompositionOutputs) -> Array:
