@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pinocchio as pin
 
+from follower_humanoid.balance.attitude import AttitudeConfig, attitude_shift, yaw_moment
 from follower_humanoid.balance.com_offset import ComOffset, OffsetConfig
-from follower_humanoid.balance.dcm_law import (
-    CenterState,
-    DcmConfig,
-    attitude_shift,
-    desired_force,
-    desired_zmp,
-    measured_dcm,
-    yaw_moment,
-)
+from follower_humanoid.balance.dcm_law import CenterState, DcmConfig, desired_force, desired_zmp, measured_dcm
 from follower_humanoid.balance.foot_wrenches import FootShares, SoleConfig, foot_wrench, share_feet
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
+from follower_humanoid.balance.swing_momentum import MomentumConfig, MomentumRate
 from follower_humanoid.balance.zmp import SolePlace, ZmpConfig, convex_hull, measured_zmp, polygon_margin
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import (
@@ -46,6 +39,8 @@ class BalanceConfig:
     law: str = parameter("dcm", "balance law", choices=LAWS)
     zmp: ZmpConfig = field(default_factory=ZmpConfig)
     dcm: DcmConfig = field(default_factory=DcmConfig)
+    attitude: AttitudeConfig = field(default_factory=AttitudeConfig)
+    momentum: MomentumConfig = field(default_factory=MomentumConfig)
     soles: SoleConfig = field(default_factory=SoleConfig)
     offset: OffsetConfig = field(default_factory=OffsetConfig)
 
@@ -69,16 +64,59 @@ class BalanceInputs:
 
 @dataclass(frozen=True, slots=True)
 class BalanceOutputs:
-    """Corrected reference, desired foot wrenches and what was measured; None before a reference came."""
+    """What was measured, and once a reference came: its correction and the desired foot wrenches."""
 
-    reference: Joints | None
-    left_foot_reference: Wrench | None
-    right_foot_reference: Wrench | None
-    zmp: Point | None
-    zmp_command: Point | None
     com: Point
-    dcm: Point | None
+    zmp: Point | None
     support_polygon: Polygon | None
+    dcm: Point | None = None
+    zmp_command: Point | None = None
+    reference: Joints | None = None
+    left_foot_reference: Wrench | None = None
+    right_foot_reference: Wrench | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """The reference of a tick, complete.
+
+    Attributes:
+        joints, base: Reference motion.
+        zmp, dcm: Plan in world, shape (2,) [m].
+        contacts: Planned shares of the weight.
+    """
+
+    joints: Joints
+    base: Odometry
+    zmp: Array
+    dcm: Array
+    contacts: ContactPlan
+
+    @classmethod
+    def of(cls, inputs: BalanceInputs) -> Wanted | None:
+        """The reference in the inputs, None before it is complete."""
+        joints, base, contacts = inputs.reference, inputs.base, inputs.contacts
+        zmp, dcm = inputs.zmp_reference, inputs.dcm_reference
+        if joints is None or base is None or contacts is None or zmp is None or dcm is None:
+            return None
+        return cls(joints, base, zmp.xyz[:2], dcm.xyz[:2], contacts)
+
+
+@dataclass(frozen=True, slots=True)
+class GroundWish:
+    """What the ground should do.
+
+    Attributes:
+        dcm: Measured, shape (2,) [m].
+        shares: Feet's shares and points.
+        force: Total force in world, shape (3,) [N].
+        yaw_moment: About the vertical [N·m].
+    """
+
+    dcm: Array
+    shares: FootShares
+    force: Array
+    yaw_moment: float
 
 
 class ZmpBalance:
@@ -100,8 +138,7 @@ class ZmpBalance:
             side: [robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES
         }
         self._offset = ComOffset(config.offset, robot)
-        self._last_momentum: Array | None = None
-        self._smooth_rate: Array = np.zeros(3)
+        self._swing = MomentumRate(config.momentum)
         self._margin: float | None = None
         self._smallest_margin = float("inf")
 
@@ -111,37 +148,35 @@ class ZmpBalance:
         q, v = self._robot.state(inputs.odometry, inputs.joints)
         state = self._update(q, v)
         places = {side: self._place(side) for side in SIDES}
-        zmp = measured_zmp(
-            inputs.left_foot, inputs.right_foot, places[Side.LEFT], places[Side.RIGHT],
-            self._config.zmp.force_floor,
-        )  # fmt: skip
+        floor = self._config.zmp.force_floor
+        left, right = places[Side.LEFT], places[Side.RIGHT]
+        zmp = measured_zmp(inputs.left_foot, inputs.right_foot, left, right, floor)
         polygon = self._support_polygon(inputs)
         self._watch(zmp, polygon)
-        measured = {
-            "zmp": _ground(zmp),
-            "com": Point(state.com),
-            "support_polygon": None if polygon is None else Polygon(_at_ground(polygon)),
-        }
-        if (
-            inputs.reference is None or inputs.base is None or inputs.contacts is None
-            or inputs.zmp_reference is None or inputs.dcm_reference is None
-        ):  # fmt: skip
-            nothing = dict.fromkeys(("reference", "left_foot_reference", "right_foot_reference", "zmp_command", "dcm"))
-            return BalanceOutputs(**measured, **nothing)
+        seen = BalanceOutputs(
+            com=Point(state.com),
+            zmp=_ground(zmp),
+            support_polygon=None if polygon is None else Polygon(_at_ground(polygon)),
+        )
+        wanted = Wanted.of(inputs)
+        if wanted is None:
+            return seen
         hands = self._hands(inputs)
-        shares, force, moment, dcm = self._correct(inputs, state, hands, places, v)
-        friction = self._config.soles.friction
-        wrenches = {
-            side: foot_wrench(shares.share[side], shares.point[side], force, moment, places[side], friction)
+        wish = self._wish(wanted, state, hands, places, v)
+        left_wrench, right_wrench = (
+            foot_wrench(
+                wish.shares.share[side], wish.shares.point[side], wish.force, wish.yaw_moment,
+                places[side], self._config.soles.friction,
+            )
             for side in SIDES
-        }
-        return BalanceOutputs(
-            **measured,
-            reference=self._offset.step(inputs.reference, inputs.base, hands, self._period),
-            left_foot_reference=wrenches[Side.LEFT],
-            right_foot_reference=wrenches[Side.RIGHT],
-            zmp_command=_ground(shares.zmp),
-            dcm=_ground(dcm),
+        )  # fmt: skip
+        return replace(
+            seen,
+            dcm=_ground(wish.dcm),
+            zmp_command=_ground(wish.shares.zmp),
+            reference=self._offset.step(wanted.joints, wanted.base, hands, self._period),
+            left_foot_reference=left_wrench,
+            right_foot_reference=right_wrench,
         )
 
     def diagnostics(self) -> dict[str, float | str]:
@@ -168,46 +203,37 @@ class ZmpBalance:
         ]
         return hand_effect(wrenches, self._robot.mass)
 
-    def _correct(
-        self, inputs: BalanceInputs, state: CenterState, hands: HandEffect, places: dict[Side, SolePlace], v: Array
-    ) -> tuple[FootShares, Array, float, Array]:
-        """Desired ZMP from the DCM error, the ground force and yaw moment that make it, and the DCM."""
-        if inputs.base is None or inputs.reference is None or inputs.contacts is None:
-            raise ValueError("a correction needs a reference")
-        if inputs.zmp_reference is None or inputs.dcm_reference is None:
-            raise ValueError("a correction needs a plan")
+    def _wish(
+        self, wanted: Wanted, state: CenterState, hands: HandEffect, places: dict[Side, SolePlace], v: Array
+    ) -> GroundWish:
+        """Desired ZMP from the DCM error, then the ground force and the yaw moment that make it."""
         config, robot = self._config, self._robot
-        q_ref, v_ref = robot.state(inputs.base, inputs.reference)
-        pin.computeCentroidalMomentum(robot.pin_model, self._wanted, q_ref, v_ref)
+        q_ref, v_ref = robot.state(wanted.base, wanted.joints)
+        momentum = np.array(
+            pin.computeCentroidalMomentum(robot.pin_model, self._wanted, q_ref, v_ref).angular
+        )
         reference = CenterState(np.array(self._wanted.com[0]), np.array(self._wanted.vcom[0]))
         omega = natural_frequency(float(reference.com[2]))
         dcm = measured_dcm(state, hands, omega)
-        zmp = desired_zmp(
-            dcm, inputs.dcm_reference.xyz[:2], inputs.zmp_reference.xyz[:2], omega, config.dcm.proportional
-        )
-        zmp = share_feet(zmp, places, inputs.contacts, config.soles).zmp
-        rotation, wanted = self._measured.oMi[1].rotation, self._wanted.oMi[1].rotation
-        error = pin.log3(wanted @ rotation.T)
-        rate = rotation @ v[3:6] - wanted @ v_ref[3:6]
-        shift = attitude_shift(error, rate, robot.mass, config.dcm)
-        momentum_rate = self._momentum_rate()
+        zmp = desired_zmp(dcm, wanted.dcm, wanted.zmp, omega, config.dcm.proportional)
+        zmp = share_feet(zmp, places, wanted.contacts, config.soles).zmp
+        momentum_rate = self._swing.step(momentum, self._period)
         force = desired_force(
-            state, float(reference.com[2]), float(reference.velocity[2]), zmp,
-            momentum_shift(momentum_rate, robot.mass), hands, omega, robot.mass, config.dcm,
-        )  # fmt: skip
-        moment = yaw_moment(error, rate, float(momentum_rate[2]), config.dcm)
-        return share_feet(zmp + shift, places, inputs.contacts, config.soles), force, moment, dcm
-
-    def _momentum_rate(self) -> Array:
-        """L̇ of the reference about its CoM, from one tick to the next, low-passed, shape (3,) [N·m]."""
-        momentum, config = np.array(self._wanted.hg.angular), self._config.dcm
-        if self._last_momentum is not None:
-            rate = (momentum - self._last_momentum) / self._period
-            rate = np.clip(rate, -config.momentum_limit, config.momentum_limit)
-            share = 1.0 - math.exp(-self._period / config.momentum_filter)
-            self._smooth_rate = self._smooth_rate + share * (rate - self._smooth_rate)
-        self._last_momentum = momentum
-        return self._smooth_rate
+            state,
+            reference,
+            zmp,
+            momentum_shift(momentum_rate, robot.mass),
+            hands,
+            omega,
+            robot.mass,
+            config.dcm,
+        )
+        rotation, upright = self._measured.oMi[1].rotation, self._wanted.oMi[1].rotation
+        error = pin.log3(upright @ rotation.T)
+        rate = rotation @ v[3:6] - upright @ v_ref[3:6]
+        shift = attitude_shift(error, rate, robot.mass, config.attitude)
+        moment = yaw_moment(error, rate, float(momentum_rate[2]), config.attitude)
+        return GroundWish(dcm, share_feet(zmp + shift, places, wanted.contacts, config.soles), force, moment)
 
     def _support_polygon(self, inputs: BalanceInputs) -> Array | None:
         config = self._config.zmp

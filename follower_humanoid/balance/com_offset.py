@@ -62,7 +62,10 @@ class ComOffset:
             place = pin.updateFramePlacement(model, data, frame)
             motion = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             tasks[side] = FootTask(
-                np.array(place.translation), np.array(place.rotation), np.array(motion.linear), np.array(motion.angular)
+                np.array(place.translation),
+                np.array(place.rotation),
+                np.array(motion.linear),
+                np.array(motion.angular),
             )
         rotation = np.array(data.oMi[1].rotation)
         body = BodyTask(

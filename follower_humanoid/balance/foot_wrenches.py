@@ -81,7 +81,9 @@ def foot_wrench(
         own = own * np.array([limit / tangential, limit / tangential, 1.0])
     x, y = point - place.position[:2]
     z = -place.position[2]
-    moment = np.array([y * own[2] - z * own[1], z * own[0] - x * own[2], x * own[1] - y * own[0] + share * yaw_moment])
+    moment = np.array(
+        [y * own[2] - z * own[1], z * own[0] - x * own[2], x * own[1] - y * own[0] + share * yaw_moment]
+    )
     to_sole = place.rotation.T
     return Wrench(to_sole @ own, to_sole @ moment)
 

@@ -50,6 +50,8 @@ def hand_effect(wrenches: list[tuple[Wrench, Array]], mass: float) -> HandEffect
     for wrench, h in wrenches:
         f, mu = wrench.force, wrench.torque
         kappa -= float(f[2]) / weight
-        gamma = gamma + np.array([h[2] * f[0] - h[0] * f[2] + mu[1], h[2] * f[1] - h[1] * f[2] - mu[0]]) / weight
+        gamma = (
+            gamma + np.array([h[2] * f[0] - h[0] * f[2] + mu[1], h[2] * f[1] - h[1] * f[2] - mu[0]]) / weight
+        )
         total = total + f
     return HandEffect(kappa, gamma, total)

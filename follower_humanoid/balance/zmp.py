@@ -16,7 +16,9 @@ class ZmpConfig:
 
     force_floor: float = parameter(50.0, "no ZMP below this vertical force", "N", 1, 500)
     carrying: float = parameter(20.0, "a foot with more than this carries", "N", 1, 500)
-    clearance: float = parameter(0.003, "sole points higher than this are left out of the polygon", "m", 1e-4, 0.05)
+    clearance: float = parameter(
+        0.003, "sole points higher than this are left out of the polygon", "m", 1e-4, 0.05
+    )
 
 
 @dataclass(frozen=True, slots=True)

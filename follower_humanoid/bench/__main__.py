@@ -17,7 +17,9 @@ from follower_humanoid.graph.simulate import simulate
 def main(args: list[str] | None = None) -> int:
     """Command line; 0 = every number holds, 1 = some do not, 2 = bad usage."""
     parser = argparse.ArgumentParser(prog="benchmark", description=__doc__)
-    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="run this scenario; repeatable")
+    parser.add_argument(
+        "--only", action="append", default=[], metavar="NAME", help="run this scenario; repeatable"
+    )
     parser.add_argument("--brief", action="store_true", help="the short form that runs with the tests")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table as JSON")
     options = parser.parse_args(args)
@@ -32,7 +34,9 @@ def main(args: list[str] | None = None) -> int:
         options.json.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
     missed = [f"{name}: {c.what}" for name, checks in table.items() for c in checks if not c.passed]
     total = sum(len(checks) for checks in table.values())
-    print(f"\n{total - len(missed)} of {total} numbers hold" + "".join(f"\n  missed: {line}" for line in missed))
+    print(
+        f"\n{total - len(missed)} of {total} numbers hold" + "".join(f"\n  missed: {line}" for line in missed)
+    )
     return 1 if missed else 0
 
 
@@ -42,7 +46,9 @@ def run_scenario(scenario: Scenario) -> list[Check]:
     run = simulate(scenario.programme, scenario.duration)
     wall = time.perf_counter() - started
     checks = list(scenario.checks(Evidence.of(run)))
-    print(f"\n{scenario.name} ({scenario.duration:g} s simulated, {scenario.duration / wall:.2f} × real time)")
+    print(
+        f"\n{scenario.name} ({scenario.duration:g} s simulated, {scenario.duration / wall:.2f} × real time)"
+    )
     for check in checks:
         mark = "ok  " if check.passed else "MISS"
         print(f"  {mark} {check.what:<42} {check.required:<40} {check.measured}", flush=True)

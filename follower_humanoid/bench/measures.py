@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from follower_humanoid.balance.zmp import convex_hull, polygon_margin
 from follower_humanoid.bench.kinematics import Motion
@@ -29,7 +30,8 @@ def moving_mean(values: Array, width: int) -> Array:
 
 def zmp_margins(run: Run, motion: Motion) -> Array:
     """Distance of every measured ZMP to the edge of the support polygon, both made here from foot
-    forces and sole points, shape (T,) [m]; NaN where the feet carry less than 50 N."""
+    forces and sole points, shape (T,) [m]; NaN where the feet carry less than 50 N.
+    """
     feet = [run[f"{side.value}_foot/wrench"] for side in SIDES]
     n = min(len(motion.times), *(len(foot) for foot in feet))
     zmp = ground_zmp(run, motion)[:n]
@@ -52,7 +54,7 @@ def ground_zmp(run: Run, motion: Motion) -> Array:
     return at_ticks(run["zmp"], "xyz", ticks)[:, :2]
 
 
-def at_ticks(series: Series, name: str, ticks: Array) -> Array:
+def at_ticks(series: Series, name: str, ticks: NDArray[np.int64]) -> Array:
     """A field at exactly the given ticks, NaN where there was no sample, shape (T, ...)."""
     rows = np.searchsorted(series.ticks, ticks)
     rows = np.minimum(rows, len(series.ticks) - 1)
@@ -128,7 +130,9 @@ def newton_residual(run: Run, motion: Motion, robot: RobotModel, window: float =
         foot, turned = run[f"{side.value}_foot/wrench"], motion.sole_rotation[side]
         f = np.einsum("tij,tj->ti", turned, foot.force[:n])
         force += f
-        moment += np.einsum("tij,tj->ti", turned, foot.torque[:n]) + np.cross(motion.sole[side] - motion.com, f)
+        moment += np.einsum("tij,tj->ti", turned, foot.torque[:n]) + np.cross(
+            motion.sole[side] - motion.com, f
+        )
     places = {f"{side.value}_hand": motion.gripper[side] for side in SIDES}
     places["base"] = run["odom"].position[:n]
     for name, place in places.items():

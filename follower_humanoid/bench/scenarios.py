@@ -103,7 +103,9 @@ def upright(e: Evidence, duration: float) -> Check:
 def walking_checks(e: Evidence, lengths: list[float], heading: float) -> Iterator[Check]:
     """Limits of figs. 4 and 5."""
     counted = [step for step in e.steps if step.counted]
-    begins = next((t for t, s in zip(e.run["gait"].times, e.run["gait"].walk_speed, strict=True) if s > 0), math.inf)
+    begins = next(
+        (t for t, s in zip(e.run["gait"].times, e.run["gait"].walk_speed, strict=True) if s > 0), math.inf
+    )
     yield at_most("first half-step begins after", float(begins), 0.5, "s")
     wanted = ", ".join(f"{100 * x:.0f}" for x in lengths)
     measured = ", ".join(f"{100 * s.length:.1f}" for s in counted)
@@ -267,6 +269,8 @@ SCENARIOS: tuple[Scenario, ...] = (
     Scenario("off, on, off", "config/benchmark/off_on_off.yaml", OFF_ON_OFF_DURATION, off_on_off),
     Scenario("left hand only", "config/benchmark/left_hand.yaml", ONE_HAND_DURATION, one_hand),
     Scenario("right hand only", "config/benchmark/right_hand.yaml", ONE_HAND_DURATION, one_hand),
-    Scenario("hand, 5 N horizontal", "config/benchmark/hand_horizontal.yaml", 8.0, hand_horizontal, brief=True),
+    Scenario(
+        "hand, 5 N horizontal", "config/benchmark/hand_horizontal.yaml", 8.0, hand_horizontal, brief=True
+    ),
     Scenario("hand, 10 N vertical", "config/benchmark/hand_vertical.yaml", 8.0, hand_vertical, brief=True),
 )

@@ -40,8 +40,13 @@ class SlidingMode:
         self.estimate: Array = np.zeros(joints)
 
     def acceleration(
-        self, error: Array, error_velocity: Array, feedforward: Array, weight: Array,
-        saturated: NDArray[np.bool_], dt: float,
+        self,
+        error: Array,
+        error_velocity: Array,
+        feedforward: Array,
+        weight: Array,
+        saturated: NDArray[np.bool_],
+        dt: float,
     ) -> Array:
         """One tick.
 

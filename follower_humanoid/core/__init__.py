@@ -1,1 +1,1 @@
-"""The vocabulary of the chain: samples, topics, configuration. Everything may import it; it imports nothing."""
+"""The vocabulary of the chain: samples, topics, configuration; imports nothing of the rest."""

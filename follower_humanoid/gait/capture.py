@@ -23,7 +23,9 @@ class CaptureConfig:
     """When steps are adapted, and how far."""
 
     enabled: bool = parameter(True, "adapt steps to pushes")
-    reserve_along: float = parameter(0.05, "DCM error along the foot that is left to the ZMP", "m", 0.005, 0.2)
+    reserve_along: float = parameter(
+        0.05, "DCM error along the foot that is left to the ZMP", "m", 0.005, 0.2
+    )
     reserve_across: float = parameter(0.022, "the same across the foot", "m", 0.005, 0.2)
     amplification: float = parameter(6.0, "largest shift of the landing per excess of the DCM", "", 1, 30)
     forward: float = parameter(0.30, "largest shift along the foot, either way", "m", 0, 0.5)

@@ -44,9 +44,15 @@ class FootstepConfig:
 
     half_step_length: float = parameter(0.40, "nominal half-step length (step_length = 1)", "m", 0.05, 0.8)
     stance_width: float = parameter(0.18, "distance between the sole centre lines", "m", 0.14, 0.4)
-    turn_per_step: float = parameter(0.40, "largest yaw of a landing foot against the stance foot", "rad", 0, 0.8)
-    turn_inward: float = parameter(0.25, "largest toe-in of a landing foot against the stance foot", "rad", 0, 0.6)
-    turn_spread: float = parameter(0.20, "extra width per yaw between the feet, room for the swing foot", "m/rad", 0, 1)
+    turn_per_step: float = parameter(
+        0.40, "largest yaw of a landing foot against the stance foot", "rad", 0, 0.8
+    )
+    turn_inward: float = parameter(
+        0.25, "largest toe-in of a landing foot against the stance foot", "rad", 0, 0.6
+    )
+    turn_spread: float = parameter(
+        0.20, "extra width per yaw between the feet, room for the swing foot", "m/rad", 0, 1
+    )
 
 
 def wrap_angle(angle: float) -> float:

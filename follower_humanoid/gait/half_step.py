@@ -50,7 +50,12 @@ class HalfStep:
     """
 
     def __init__(
-        self, sequence: Sequence, stance: FootPose, swing: SwingFoot, closing: bool, shortest_transfer: float = 0.0
+        self,
+        sequence: Sequence,
+        stance: FootPose,
+        swing: SwingFoot,
+        closing: bool,
+        shortest_transfer: float = 0.0,
     ) -> None:
         self._sequence = sequence
         self._phases = sequence.phases
@@ -166,7 +171,7 @@ class HalfStep:
 
 
 def phase_zmp_plan(phase: Phase, begin: float, context: StepContext, time: float) -> list[ZmpLeg]:
-    """What the primitives of a phase of `time` [s] ask of the ZMP from progress `begin` on; gaps are rests."""
+    """What the primitives of a phase of `time` [s] ask of the ZMP from progress `begin` on; gaps rest."""
     legs: list[ZmpLeg] = []
     for primitive in phase.on_channel("zmp"):
         if primitive.end <= begin:

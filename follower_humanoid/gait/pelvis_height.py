@@ -12,10 +12,16 @@ from follower_humanoid.core.config import parameter
 class PelvisConfig:
     """Leg length and pelvis motion."""
 
-    leg_reach: float = parameter(0.806, "longest hip-to-ankle distance asked for (0.83 m is straight)", "m", 0.5, 0.83)
+    leg_reach: float = parameter(
+        0.806, "longest hip-to-ankle distance asked for (0.83 m is straight)", "m", 0.5, 0.83
+    )
     bandwidth: float = parameter(5.0, "critically damped filter of the pelvis height", "rad/s", 1, 40)
-    spare: float = parameter(0.02, "how much further the hip may be from a foot that lands or lifts off", "m", 0, 0.2)
-    rise_speed: float = parameter(0.01, "the pelvis rises no faster; it falls as fast as needed", "m/s", 0.001, 1)
+    spare: float = parameter(
+        0.02, "how much further the hip may be from a foot that lands or lifts off", "m", 0, 0.2
+    )
+    rise_speed: float = parameter(
+        0.01, "the pelvis rises no faster; it falls as fast as needed", "m/s", 0.001, 1
+    )
     lowest: float = parameter(0.68, "lowest pelvis height", "m", 0.4, 0.9)
 
 

@@ -96,7 +96,8 @@ class ReferencePendulum:
         """λ̇ behind a low-pass: touchdown ends swings abruptly [m]."""
         share = 1.0 - math.exp(-dt / MOMENTUM_FILTER_TIME)
         self._smooth_momentum_rate = self._smooth_momentum_rate + share * (
-            np.clip((momentum - self._momentum) / dt, -LARGEST_SHIFT, LARGEST_SHIFT) - self._smooth_momentum_rate
+            np.clip((momentum - self._momentum) / dt, -LARGEST_SHIFT, LARGEST_SHIFT)
+            - self._smooth_momentum_rate
         )
         self._momentum = momentum
         return self._smooth_momentum_rate

@@ -71,9 +71,7 @@ def com_after(
     points = [zmp]
     for target, _ in first:
         points.append(points[-1] if target is None else target)
-    backwards: list[ZmpLeg] = [
-        (points[i], duration) for i, (_, duration) in reversed(list(enumerate(first)))
-    ]
+    backwards: list[ZmpLeg] = [(points[i], duration) for i, (_, duration) in reversed(list(enumerate(first)))]
     elapsed = sum(duration for _, duration in first)
     dcm_then = planned_dcm(points[-1], rest, omega, horizon)
     convergent_now = 2.0 * com - dcm

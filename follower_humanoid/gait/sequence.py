@@ -59,7 +59,9 @@ class Phase:
             )
         for field in dataclasses.fields(primitive):
             if not math.isfinite(getattr(primitive, field.name)):
-                raise ConfigurationError(f"phase '{self.name}', {_word(primitive)}: {field.name} is not finite")
+                raise ConfigurationError(
+                    f"phase '{self.name}', {_word(primitive)}: {field.name} is not finite"
+                )
 
     def on_channel(self, channel: str) -> Iterator[Primitive]:
         """The primitives that move a channel, in order of time."""
@@ -90,7 +92,6 @@ class Sequence:
         total = sum(phase.share for phase in self.phases)
         if abs(total - 1.0) > 1e-6:
             raise ConfigurationError(f"sequence '{self.name}': the shares add up to {total}, not 1")
-
 
     def phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase in a half-step of `duration` [s]."""
@@ -145,7 +146,9 @@ def _phase(entry: Any, number: int) -> Phase:
     share = entry.get("share")
     if isinstance(share, bool) or not isinstance(share, int | float):
         raise ConfigurationError(f"phase '{name}': share = {share!r}: needs a number")
-    return Phase(name, support == "single", float(share), tuple(_primitive(p, name) for p in entry["primitives"]))
+    return Phase(
+        name, support == "single", float(share), tuple(_primitive(p, name) for p in entry["primitives"])
+    )
 
 
 def _primitive(entry: Any, phase: str) -> Primitive:

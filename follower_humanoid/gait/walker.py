@@ -34,7 +34,9 @@ class WalkerConfig:
 
     half_step_time: float = parameter(3.1, "nominal half-step time (walk_speed = step_length)", "s", 0.3, 10)
     shortest_half_step: float = parameter(0.4, "no half-step is made faster than this", "s", 0.2, 3)
-    swing_height: float = parameter(0.05, "nominal height of the swing foot (step_height = 1)", "m", 0.01, 0.2)
+    swing_height: float = parameter(
+        0.05, "nominal height of the swing foot (step_height = 1)", "m", 0.01, 0.2
+    )
     freeze: float = parameter(0.8, "share of the swing after which the landing place is kept", "", 0.1, 1)
     stand_forward: float = parameter(0.03, "ZMP of standing ahead of the ankles", "m", -0.05, 0.12)
     stand_time: float = parameter(1.2, "time to bring the ZMP between the feet", "s", 0.2, 5)
@@ -88,7 +90,7 @@ class Walker:
         self.half_step: HalfStep | None = None
         self.landing: FootPose | None = None
         self.zmp = ConstantSpeedChannel(zmp)
-        self.shares = {side: 1.0 for side in SIDES}
+        self.shares = dict.fromkeys(SIDES, 1.0)
         self.taken: list[tuple[FootPose, bool]] = []
         self._stand_remaining = config.stand_time
         self._pace = Gait(1.0, 0.0, 1.0, 1.0, 0.0)
@@ -202,7 +204,9 @@ class Walker:
             yaws[swing.side] = replace(yaws[swing.side], yaw=float(swing.attitude.position[0]))
         return mean_yaw(yaws[Side.LEFT], yaws[Side.RIGHT])
 
-    def _begin(self, swing: Side, gait: Gait, toes: dict[Side, float], shortest_transfer: float = 0.0) -> None:
+    def _begin(
+        self, swing: Side, gait: Gait, toes: dict[Side, float], shortest_transfer: float = 0.0
+    ) -> None:
         self.shift = np.zeros(2)
         stance = self.feet[swing.other]
         foot = SwingFoot(self.feet[swing], toes[swing])
@@ -247,7 +251,9 @@ class Walker:
         return Side.LEFT if aside > 0.05 else Side.RIGHT
 
     def _landing(self, stance: FootPose, gait: Gait) -> FootPose:
-        return landing_pose(stance, gait, self._footsteps) if gait.walk_speed > 0 else beside(stance, self._footsteps)
+        if gait.walk_speed == 0.0:
+            return beside(stance, self._footsteps)
+        return landing_pose(stance, gait, self._footsteps)
 
     def _duration(self) -> float:
         time = self._config.half_step_time * self._pace.step_length / self._pace.walk_speed

@@ -20,8 +20,12 @@ class Chain:
     """Every node's component, wired as in the graph, stepped tick by tick."""
 
     def __init__(
-        self, parameters: Parameters | None = None, tick: float = TICK, urdf: str = "",
-        without: tuple[str, ...] = (), interference: Interference | None = None,
+        self,
+        parameters: Parameters | None = None,
+        tick: float = TICK,
+        urdf: str = "",
+        without: tuple[str, ...] = (),
+        interference: Interference | None = None,
     ) -> None:
         """Makes the components.
 
@@ -88,8 +92,14 @@ class Chain:
 
 
 def simulate(
-    leader: str = "fig4", duration: float = 22.0, parameters: Parameters | None = None, *,
-    tick: float = TICK, urdf: str = "", interference: Interference | None = None, stop_at_fall: bool = True,
+    leader: str = "fig4",
+    duration: float = 22.0,
+    parameters: Parameters | None = None,
+    *,
+    tick: float = TICK,
+    urdf: str = "",
+    interference: Interference | None = None,
+    stop_at_fall: bool = True,
 ) -> Run:
     """Runs the whole chain for a time and returns everything that flowed.
 

@@ -213,7 +213,9 @@ def _trunk() -> tuple[list[Link], list[Joint], list[Frame]]:
         links += [
             _carrier(roll),
             _carrier(pitch),
-            Link(name, mass, (0, 0, height / 2), box_inertia(mass, (0.19, width, max(height, 0.10))), (block,)),
+            Link(
+                name, mass, (0, 0, height / 2), box_inertia(mass, (0.19, width, max(height, 0.10))), (block,)
+            ),
         ]
         joints += [
             Joint(f"spine_{number}_roll", below, roll, (0, 0, rise), X, -0.2, 0.2),
@@ -272,9 +274,7 @@ def _mirrored(
         )
         for joint in joints
     ]  # fmt: skip
-    right_frames = [
-        Frame(_mirrored_name(f.name), _mirrored_name(f.parent), _flip(f.origin)) for f in frames
-    ]
+    right_frames = [Frame(_mirrored_name(f.name), _mirrored_name(f.parent), _flip(f.origin)) for f in frames]
     return right_links, right_joints, right_frames
 
 

@@ -1,0 +1,59 @@
+"""Keeps the pelvis upright and on its heading through what the feet do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from follower_humanoid.core.config import parameter
+from follower_humanoid.core.samples import Array
+from follower_humanoid.robot.model import GRAVITY
+
+
+@dataclass(frozen=True)
+class AttitudeConfig:
+    """Gains and limits of the attitude feedback."""
+
+    stiffness: float = parameter(120.0, "pelvis attitude feedback", "1/s²", 0, 1000)
+    damping: float = parameter(22.0, "pelvis rate feedback", "1/s", 0, 200)
+    inertia: float = parameter(8.0, "inertia that the feedback turns", "kg·m²", 0.1, 50)
+    zmp_limit: float = parameter(0.03, "largest ZMP shift for the attitude", "m", 0, 0.1)
+    yaw_limit: float = parameter(25.0, "largest yaw moment asked of the feet", "N·m", 0, 100)
+
+
+def attitude_shift(error: Array, angular_velocity: Array, mass: float, config: AttitudeConfig) -> Array:
+    """The shift of the ZMP that turns the pelvis upright.
+
+    ΔM = I(k_p e − k_d ω) needs the ground force at p + (−ΔM_y, ΔM_x)/(m g).
+
+    Args:
+        error: Rotation vector from measured to desired pelvis attitude, in world, shape (3,) [rad].
+        angular_velocity: Pelvis minus desired, in world, shape (3,) [rad/s].
+        mass: Robot mass [kg].
+        config: Gains.
+
+    Returns:
+        Shape (2,) [m].
+    """
+    moment = config.inertia * (config.stiffness * error - config.damping * angular_velocity)
+    shift = np.array([-moment[1], moment[0]]) / (mass * GRAVITY)
+    return np.clip(shift, -config.zmp_limit, config.zmp_limit)
+
+
+def yaw_moment(error: Array, angular_velocity: Array, momentum_rate: float, config: AttitudeConfig) -> float:
+    """What the feet must add about the vertical so that the pelvis does not turn with the swing leg.
+
+    M_z = L̇_ref,z + I(k_p e_z − k_d ω_z), within what friction under the soles can do.
+
+    Args:
+        error, angular_velocity: As in `attitude_shift`.
+        momentum_rate: L̇_z of the reference motion about its CoM [N·m].
+        config: Gains.
+
+    Returns:
+        [N·m]
+    """
+    feedback = config.stiffness * error[2] - config.damping * angular_velocity[2]
+    moment = momentum_rate + config.inertia * float(feedback)
+    return min(max(moment, -config.yaw_limit), config.yaw_limit)

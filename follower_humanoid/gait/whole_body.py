@@ -1,0 +1,154 @@
+"""From channels, pendulum and plan to the reference configuration of the whole body."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+
+from follower_humanoid.core.config import parameter
+from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Side
+from follower_humanoid.gait.differential_ik import BodyTask, DifferentialIk, FootTask, IkConfig
+from follower_humanoid.gait.feet import FootPose
+from follower_humanoid.gait.pelvis_height import PelvisConfig, PelvisHeight, Reach
+from follower_humanoid.gait.pendulum import PendulumState
+from follower_humanoid.gait.preview import com_after
+from follower_humanoid.gait.walker import Plan, Walker
+from follower_humanoid.robot.model import BASE_DOF, RobotModel
+
+
+@dataclass(frozen=True)
+class BodyConfig:
+    """Parameters of the reference body."""
+
+    toe_gain: float = parameter(20.0, "position feedback of the toe reference", "1/s", 0, 100)
+    ik: IkConfig = field(default_factory=IkConfig)
+    pelvis: PelvisConfig = field(default_factory=PelvisConfig)
+
+
+class ReferenceBody:
+    """The body as it should move: feet on their channels, CoM on the pendulum, pelvis upright.
+
+    Attributes:
+        ik: Holds reference configuration and velocity.
+    """
+
+    def __init__(self, config: BodyConfig, robot: RobotModel, q: Array) -> None:
+        """Starts at rest in the configuration q, shape (52,)."""
+        model = robot.pin_model
+        self._config = config
+        self._toes = {side: robot.joint_index(f"{side.prefix}_toe_pitch") for side in SIDES}
+        self._hip_offset = float(model.jointPlacements[model.getJointId("l_hip_yaw")].translation[1])
+        self._ankle_height = -float(model.frames[robot.frame_id("l_sole")].placement.translation[2])
+        self._joints = len(robot.joint_names)
+        self._pelvis = PelvisHeight(config.pelvis, float(q[2]))
+        self.ik = DifferentialIk(robot, config.ik, q)
+
+    @property
+    def toes(self) -> dict[Side, float]:
+        """Reference angle of either toe joint [rad]."""
+        return {side: float(self.ik.q[BASE_DOF + 1 + index]) for side, index in self._toes.items()}
+
+    def samples(self) -> tuple[Joints, Odometry]:
+        """Joints and base of the reference."""
+        q, v = self.ik.q, self.ik.v
+        joints = Joints(q[7:].copy(), v[6:].copy(), np.zeros(self._joints))
+        return joints, Odometry(q[:3].copy(), q[3:7].copy(), v[:3].copy(), v[3:6].copy())
+
+    def advance(
+        self, walker: Walker, plan: Plan, pendulum: PendulumState, omega: float, horizon: float, dt: float
+    ) -> None:
+        """One tick of pelvis height and differential IK.
+
+        Args:
+            walker: Feet and channels.
+            plan: What is to come.
+            pendulum: Reference CoM.
+            omega: Natural frequency [1/s].
+            horizon: Of the preview [s].
+            dt: Tick [s].
+        """
+        reaches = self._reaches(walker, plan, pendulum, omega, horizon)
+        self._pelvis.advance(self._pelvis.admissible(reaches), dt)
+        body = BodyTask(
+            com=pendulum.com, com_velocity=pendulum.com_velocity,
+            pelvis_height=self._pelvis.height, pelvis_height_velocity=self._pelvis.velocity,
+            pelvis_rotation=_about_z(walker.heading()), pelvis_angular_velocity=_yaw_rate(walker),
+        )  # fmt: skip
+        given = np.zeros(self._joints)
+        for side, angle in self.toes.items():
+            goal, speed = _toe(walker, side)
+            given[self._toes[side]] = speed + self._config.toe_gain * (goal - angle)
+        self.ik.advance({side: _foot_task(walker, side) for side in SIDES}, body, given, dt)
+
+    def _reaches(
+        self, walker: Walker, plan: Plan, pendulum: PendulumState, omega: float, horizon: float
+    ) -> list[Reach]:
+        """How far the legs must reach: now, at the next touchdown, at the next lift-off."""
+
+        def shift_after(pieces: int) -> Array:
+            ahead, later = plan.zmp[:pieces], plan.zmp[pieces:]
+            com = com_after(walker.zmp.position, pendulum.com, pendulum.dcm, ahead, later, omega, horizon)
+            return com - pendulum.com
+
+        reaches = [self._reach(self.ik.sole(side).translation, side, np.zeros(2)) for side in SIDES]
+        if plan.footsteps:
+            shift, landing = shift_after(plan.landing), plan.footsteps[0]
+            reaches.append(self._planned_reach(landing, shift))
+            reaches.append(self._planned_reach(walker.feet[landing.side.other], shift))
+        if plan.lifting is not None:
+            reaches.append(self._planned_reach(plan.lifting, shift_after(plan.lift_off)))
+        return reaches
+
+    def _planned_reach(self, foot: FootPose, shift: Array) -> Reach:
+        """The reach to a foot that will land or lift off, with something to spare."""
+        reach = self._reach(np.array([foot.x, foot.y, foot.z]), foot.side, shift)
+        return Reach(reach.ankle_height, reach.horizontal + self._config.pelvis.spare)
+
+    def _reach(self, sole: Array, side: Side, shift: Array) -> Reach:
+        """From the hip of the reference, moved over the ground by `shift`, to the ankle above a sole."""
+        q = self.ik.q
+        rotation = pin.Quaternion(q[3:7]).toRotationMatrix()
+        hip = q[:2] + rotation[:2, 1] * side.sign * self._hip_offset + shift
+        return Reach(float(sole[2]) + self._ankle_height, math.hypot(sole[0] - hip[0], sole[1] - hip[1]))
+
+
+def _about_z(yaw: float) -> Array:
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _foot_task(walker: Walker, side: Side) -> FootTask:
+    """Sole motion: still on the ground, or as the channels of the swing foot say."""
+    if walker.swinging is not side or walker.half_step is None:
+        foot = walker.feet[side]
+        return FootTask(np.array([foot.x, foot.y, foot.z]), _about_z(foot.yaw), np.zeros(3), np.zeros(3))
+    swing = walker.half_step.swing
+    yaw, pitch = swing.attitude.position
+    yaw_rate, pitch_rate = swing.attitude.velocity
+    c, s = math.cos(pitch), math.sin(pitch)
+    tilt = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    heading = _about_z(float(yaw))
+    return FootTask(
+        position=np.concatenate((swing.place.position, swing.height.position)),
+        rotation=heading @ tilt,
+        linear_velocity=np.concatenate((swing.place.velocity, swing.height.velocity)),
+        angular_velocity=np.array([0.0, 0.0, yaw_rate]) + pitch_rate * heading[:, 1],
+    )
+
+
+def _yaw_rate(walker: Walker) -> Array:
+    """The pelvis turns with the mean of the feet: half the swing foot's rate."""
+    if walker.swinging is None or walker.half_step is None:
+        return np.zeros(3)
+    return np.array([0.0, 0.0, 0.5 * float(walker.half_step.swing.attitude.velocity[0])])
+
+
+def _toe(walker: Walker, side: Side) -> tuple[float, float]:
+    """Toe joint angle and speed of a foot: flat on the ground, or as the swing foot's channel says."""
+    if walker.swinging is not side or walker.half_step is None:
+        return 0.0, 0.0
+    toe = walker.half_step.swing.toe
+    return float(toe.position[0]), float(toe.velocity[0])
