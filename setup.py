@@ -5,6 +5,7 @@ They stand here and not in pyproject.toml because the setuptools of a ROS 2 inst
 
 import os
 import runpy
+import sys
 from pathlib import Path
 
 from setuptools import find_packages, setup
@@ -12,6 +13,7 @@ from setuptools import find_packages, setup
 NAME = "follower_humanoid"
 HERE = Path(__file__).resolve().parent
 TABLE = runpy.run_path(str(HERE / NAME / "executables.py"))
+HANDOVER = runpy.run_path(str(HERE / NAME / "ros2_front" / "handover.py"))
 
 PYTHON_REQUIREMENTS = [
     "matplotlib",
@@ -52,7 +54,11 @@ def ros_is_sourced() -> bool:
 def console_scripts() -> list[str]:
     """What comes into bin/: every executable, and a front for `ros2` where no ROS 2 brings its own."""
     own = [f"{TABLE['console_script'](name)} = {NAME}.nodes.{name}:main" for name in TABLE["EXECUTABLES"]]
-    return own if ros_is_sourced() else [*own, f"ros2 = {NAME}.ros2_front.main:main"]
+    # One that ros2cli has put beside this interpreter would be overwritten.
+    folders = [*os.environ.get("PATH", os.defpath).split(os.pathsep), os.path.dirname(sys.executable)]
+    if ros_is_sourced() or HANDOVER["real_ros2"](folders) is not None:
+        return own
+    return [*own, f"ros2 = {NAME}.ros2_front.main:main"]
 
 
 def shared_files() -> list[tuple[str, list[str]]]:
