@@ -116,7 +116,10 @@ FAULTS = {
     "phase a number": ("phases: [3]\n", "phase 1"),
     "no primitives": ("phases:\n  - {name: shift, support: double, share: 0.4}\n", "phase 1"),
     "primitives empty": (phases(double=""), "phase 'shift' has no primitives"),
-    "unknown support": (phases().replace("support: single", "support: air"), "phase 'swing': support = 'air'"),
+    "unknown support": (
+        phases().replace("support: single", "support: air"),
+        "phase 'swing': support = 'air'",
+    ),
     "no support": (phases().replace("support: single, ", ""), "phase 'swing': support"),
     "share a text": (phases(share="most"), "phase 'swing': share = 'most'"),
     "share a truth": (phases(share="true"), "phase 'swing': share = True"),
@@ -126,31 +129,51 @@ FAULTS = {
     "share too large": (phases(share="1.6"), "phase 'swing': share = 1.6"),
     "shares that do not add up": (phases(share="0.5"), "add up to 0.9"),
     "single before double": (
-        phases().replace("support: double", "support: first").replace("support: single", "support: double")
+        phases()
+        .replace("support: double", "support: first")
+        .replace("support: single", "support: double")
         .replace("support: first", "support: single"),
         "double support, then of single",
     ),
-    "single only": ("phases:\n  - {name: swing, support: single, share: 1, primitives: [" + LEAN + "]}\n", "double"),
-    "unknown primitive": (phases(single="{primitive: jump}"), "primitive in phase 'swing' 'jump'; valid: bend"),
+    "single only": (
+        "phases: [{name: swing, support: single, share: 1, primitives: [{primitive: lean}]}]\n",
+        "double",
+    ),
+    "unknown primitive": (
+        phases(single="{primitive: jump}"),
+        "primitive in phase 'swing' 'jump'; valid: bend",
+    ),
     "primitive without a name": (phases(single="{height: 1.0}"), "phase 'swing': a primitive needs a name"),
     "primitive a text": (phases(single="bend"), "phase 'swing': a primitive needs a name"),
     "unknown parameter": (
         phases(single="{primitive: bend, hight: 1.0}"),
         "parameter of bend in phase 'swing' 'hight'; valid: end, height, start",
     ),
-    "parameter a text": (phases(single="{primitive: bend, height: high}"), "phase 'swing', bend: height = 'high'"),
-    "parameter a truth": (phases(single="{primitive: bend, height: yes}"), "phase 'swing', bend: height = True"),
+    "parameter a text": (
+        phases(single="{primitive: bend, height: high}"),
+        "phase 'swing', bend: height = 'high'",
+    ),
+    "parameter a truth": (
+        phases(single="{primitive: bend, height: yes}"),
+        "phase 'swing', bend: height = True",
+    ),
     "parameter missing": (phases(single="{primitive: bend, height: }"), "phase 'swing', bend: height = None"),
     "parameter not finite": (phases(single="{primitive: bend, height: .inf}"), "phase 'swing', bend: height"),
-    "window backwards": (phases(single="{primitive: bend, start: 0.6, end: 0.5}"), "phase 'swing', bend: window"),
-    "window too long": (phases(single="{primitive: bend, end: 1.5}"), "phase 'swing', bend: window 0.0 to 1.5"),
+    "window backwards": (
+        phases(single="{primitive: bend, start: 0.6, end: 0.5}"),
+        "phase 'swing', bend: window",
+    ),
+    "window too long": (
+        phases(single="{primitive: bend, end: 1.5}"),
+        "phase 'swing', bend: window 0.0 to 1.5",
+    ),
     "window negative": (phases(single="{primitive: bend, start: -0.1}"), "phase 'swing', bend: window -0.1"),
     "window not a number": (phases(single="{primitive: bend, end: .nan}"), "phase 'swing', bend: window"),
     "two owners of a channel": (
         phases(single="{primitive: bend, end: 0.6}, {primitive: lower, start: 0.5}"),
         "phase 'swing': bend and lower both move 'swing_height' between 0.5 and 0.6",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("fault", FAULTS)
