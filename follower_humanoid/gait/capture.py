@@ -31,6 +31,9 @@ class CaptureConfig:
     forward: float = parameter(0.30, "largest shift along the foot, either way", "m", 0, 0.5)
     outward: float = parameter(0.25, "largest shift away from the stance foot", "m", 0, 0.5)
     inward: float = parameter(0.04, "largest shift towards the stance foot", "m", 0, 0.1)
+    lift_off: float = parameter(
+        0.035, "a foot waits on the ground while the DCM error is larger", "m", 0.005, 1
+    )
     hurry: float = parameter(0.55, "time of a whole swing that is hurried", "s", 0.2, 3)
 
 

@@ -110,10 +110,11 @@ class MotionComposition:
         motion, walker = self._motion, self._motion.walker
         gait = inputs.gait if inputs.gait is not None else STANDING
         loads = {Side.LEFT: float(inputs.left_foot.force[2]), Side.RIGHT: float(inputs.right_foot.force[2])}
-        landed = walker.step(gait, loads, motion.body.toes, self._period)
+        dcm = None if inputs.dcm is None else inputs.dcm.xyz[:2]
+        landed = walker.step(gait, loads, motion.body.toes, motion.steady(dcm), self._period)
         if landed is not None:
             self._anchor(walker, landed, q)
-        coming = motion.advance(gait, None if inputs.dcm is None else inputs.dcm.xyz[:2], self._period)
+        coming = motion.advance(gait, dcm, self._period)
         reference, base = motion.body.samples()
         pendulum = motion.pendulum.state
         names, completion = walker.half_step.active() if walker.half_step is not None else ((), ())
@@ -181,6 +182,14 @@ class ReferenceMotion:
         com = self.body.ik.com[:2]
         self.walker = Walker(config.walker, config.footsteps, sequence, feet, com)
         self.pendulum = ReferencePendulum(com, config.dcm_convergence)
+
+    def steady(self, dcm: Array | None) -> bool:
+        """Whether the DCM is near enough to the reference for a foot to leave the ground."""
+        config = self._config.capture
+        if dcm is None or not config.enabled:
+            return True
+        error = dcm - self.pendulum.state.dcm
+        return math.hypot(error[0], error[1]) < config.lift_off
 
     def advance(self, gait: Gait, dcm: Array | None, dt: float) -> tuple[FootPose, ...]:
         """One tick after the walker's.

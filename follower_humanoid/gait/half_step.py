@@ -46,6 +46,7 @@ class HalfStep:
         stance: The foot that carries during the swing.
         closing: True for a step that only brings the feet together.
         progress: Progress of the present phase, 0…1.
+        waited: How long the foot has waited to lift off [s].
         duration: Present time of the whole half-step [s]; may change at any tick.
     """
 
@@ -66,6 +67,7 @@ class HalfStep:
         self.swing = swing
         self.closing = closing
         self.progress = 0.0
+        self.waited = 0.0
         self.duration = 1.0
 
     @property

@@ -42,6 +42,7 @@ class WalkerConfig:
     stand_time: float = parameter(1.2, "time to bring the ZMP between the feet", "s", 0.2, 5)
     first_transfer: float = parameter(0.9, "shortest double support out of standing", "s", 0.0, 5)
     load_time: float = parameter(0.10, "time over which a foot takes or leaves its load", "s", 0.0, 1)
+    patience: float = parameter(1.0, "longest wait of a foot for the DCM before it lifts off", "s", 0, 5)
     preview: float = parameter(4.0, "how far ahead the ZMP is planned", "s", 1, 10)
     touchdown_load: float = parameter(30.0, "normal force that counts as contact", "N", 5, 200)
 
@@ -101,13 +102,16 @@ class Walker:
         half = self.half_step
         return half.swing.side if half is not None and half.single_support else None
 
-    def step(self, gait: Gait, loads: dict[Side, float], toes: dict[Side, float], dt: float) -> Side | None:
+    def step(
+        self, gait: Gait, loads: dict[Side, float], toes: dict[Side, float], steady: bool, dt: float
+    ) -> Side | None:
         """One tick.
 
         Args:
             gait: Walking parameters.
             loads: Measured normal force of either foot [N].
             toes: Reference angle of either toe joint [rad].
+            steady: False while the DCM is too far off for a foot to leave the ground.
             dt: Tick [s].
 
         Returns:
@@ -128,11 +132,20 @@ class Walker:
         if half.swing_progress < self._config.freeze:
             half.closing = gait.walk_speed == 0.0
             self.landing = shifted(self._landing(half.stance, gait), self.shift)
+        if self._waits(half, steady, dt):
+            self._share_load(None, math.inf, dt)
+            return None
         context = self._context(half.stance, self.landing, gait, loads, half)
         ended = half.advance(context, self.zmp, self._duration(), dt)
-        leaving = half.swing.side
-        self._share_load(leaving, half.until_lift_off(), dt)
+        self._share_load(half.swing.side, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
+
+    def _waits(self, half: HalfStep, steady: bool, dt: float) -> bool:
+        """Before its load is taken off, a foot waits for the DCM; not for ever."""
+        if half.single_support or steady or half.until_lift_off() > self._config.load_time:
+            return False
+        half.waited += dt
+        return half.waited < self._config.patience
 
     @property
     def catching(self) -> bool:
