@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from graph_bench import run
 
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.wiring import NODES
@@ -157,3 +158,12 @@ def test_a_taken_bag_folder_is_left_alone(tmp_path, capfd):
     assert main(["--bag", "taken"]) == 2
     assert os.listdir("taken") == ["precious"]
     assert "taken" in capfd.readouterr().err
+
+
+def test_bad_parameters_are_one_line_of_the_whole_process_too(tmp_path):
+    ended = run(tmp_path, "--params", write("simulator: {ros__parameters: {ground.friction: 3}}"))
+    assert ended.process.returncode == 2
+    assert ended.complained.count("\n") == 1
+    assert ended.said == ""
+    assert "ground.friction = 3: valid: 0.0 to 2.0" in ended.complained
+    assert not (tmp_path / "bags").exists()

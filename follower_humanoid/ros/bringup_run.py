@@ -30,6 +30,7 @@ from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.simulator_node import FELL
 from follower_humanoid.ros.spin import StopSignal
 from follower_humanoid.ros.status import StatusLine, summary_text
+from follower_humanoid.ros.transport import use_roomy_transport
 
 COMPOSED = "composed"
 _LONGEST_START = 60.0
@@ -54,6 +55,7 @@ class BringupRun:
         # Only this machine's own graph, unless the user has said otherwise.
         if not any(name in os.environ for name in ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")):
             os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        use_roomy_transport(self._folder)
         arguments = self._ros_arguments()
         try:
             try:
@@ -89,8 +91,14 @@ class BringupRun:
         while ended is None and not self._stop.asked:
             director.spin(0.05)
             self._line.show(director.values)
-            ended = self._crew.ended()
+            ended = self._crew.ended() or self._finished()
         return self._end(ended)
+
+    def _finished(self) -> Member | None:
+        """The simulator's process once it has said that the run is over; it waits to be dismissed."""
+        if not self._director.values.get(SIMULATOR, {}).get("ended"):
+            return None
+        return next((m for m in self._crew.members if SIMULATOR in m.nodes), None)
 
     def _start_processes(self, arguments: list[str]) -> None:
         plan = self._plan

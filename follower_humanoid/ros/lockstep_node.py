@@ -18,6 +18,7 @@ from follower_humanoid.ros.lockstep import CLOCK, LockStep
 from follower_humanoid.ros.managed_node import ManagedNode, Rate
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
+from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.shared_robot import shared_robot
 from follower_humanoid.ros.validation import MessageError
 
@@ -46,7 +47,8 @@ class LockStepNode(ManagedNode):
         """
         super().__init__(wiring.name, **options)
         self.wiring = wiring
-        component_class = wiring.component_class()
+        with quiet_stderr():  # a physics engine introduces itself when it is imported
+            component_class = wiring.component_class()
         adjustable = hasattr(component_class, "reconfigure")
         self.config = declare(self, component_class.Config, adjustable)
         if adjustable:

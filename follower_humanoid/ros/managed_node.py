@@ -9,7 +9,6 @@ from typing import Any, cast
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from follower_humanoid.errors import ConfigurationError
@@ -20,7 +19,6 @@ from follower_humanoid.ros.qos import DIAGNOSTICS
 
 BAD_CONFIGURATION = 2
 FAILED = 1
-_LAST_WORD = Duration(seconds=0, nanoseconds=300_000_000)
 
 
 class ManagedNode(LifecycleNode):
@@ -101,7 +99,6 @@ class ManagedNode(LifecycleNode):
         """Last diagnostics before the node goes."""
         self.running = False
         self._publish_diagnostics()
-        self._diagnostics.wait_for_all_acked(_LAST_WORD)
 
     # Lifecycle transitions; rclpy swallows exceptions in them, so they are turned into an exit here.
 

@@ -99,15 +99,18 @@ def _parameters(
 ) -> Parameters:
     """The package's file, the user's files over it, then single assignments."""
     base = share_path("config/follower.yaml")
-    if not files and not assignments:
-        return _unchecked(base)
+    if not files and not assignments and (unchecked := _unchecked(base)) is not None:
+        return unchecked
     # Imports every component for its configuration: only where there is something to check.
     from follower_humanoid.graph.config_file import load_parameters
     from follower_humanoid.graph.node_configs import node_names, node_parameters
 
+    with quiet_stderr():  # a physics engine introduces itself when it is imported
+        for node in NODES.values():
+            node.component_class()
     parameters = load_parameters([base, *files], namespace)
-    for node, name, text in assignments:
-        known = {n: node_parameters(n) for n in ([node] if node else node_names())}
+    for target, name, text in assignments:
+        known = {n: node_parameters(n) for n in ([target] if target else node_names())}
         having = {n: infos[name] for n, infos in known.items() if name in infos}
         if not having:
             raise UnknownNameError("parameter", name, {v for infos in known.values() for v in infos})
@@ -121,13 +124,14 @@ def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-def _unchecked(path: Path) -> Parameters:
-    """The package's own file, which a test holds equal to the dataclasses."""
+def _unchecked(path: Path) -> Parameters | None:
+    """The package's own file, which a test holds equal to the dataclasses; None if it looks otherwise."""
     content = read_yaml(path)
-    common = content["/**"][_KEY]
-    return {
-        node: {**common, **content.get(node, {}).get(_KEY, {})} for node in (*NODES, RECORDER)
-    }
+    try:
+        common = content["/**"][_KEY]
+        return {node: {**common, **content.get(node, {}).get(_KEY, {})} for node in (*NODES, RECORDER)}
+    except (AttributeError, KeyError, TypeError):
+        return None
 
 
 def _split_parameters(

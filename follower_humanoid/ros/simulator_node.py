@@ -7,7 +7,6 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
@@ -29,7 +28,6 @@ from follower_humanoid.ros.shared_robot import shared_robot
 FELL = 3
 _PACE = 0.0005  # wall time between two looks at the clock when paced [s]
 _GRACE = 1.0
-_LAST_ACKNOWLEDGEMENT = Duration(seconds=0, nanoseconds=200_000_000)
 
 
 class SimulatorNode(LockStepNode):
@@ -171,12 +169,6 @@ class SimulatorNode(LockStepNode):
     def stalled(self, waited: float, missing: str) -> None:
         """Nobody else can go on either: the run is lost."""
         self.quit(FAILED, f"no message for {waited:.0f} s: {missing}")
-
-    def finish(self) -> None:
-        """Waits until everyone has the last state."""
-        for publisher in self._own_publishers:
-            publisher.wait_for_all_acked(_LAST_ACKNOWLEDGEMENT)
-        super().finish()
 
     @property
     def stamp(self) -> int:

@@ -7,6 +7,7 @@ import gc
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Sequence
 from types import FrameType
 from typing import Any, cast
@@ -26,6 +27,8 @@ _PR_SET_PDEATHSIG = 1
 # The executor's wait without a time limit hears no signal. One with a limit looks at it only when
 # it has nothing to do, so a busy executor is stopped by a future that completes.
 _WAIT = 0.1
+_LAST_WORD = 0.1  # s
+_DISMISSAL = 1.5  # s
 
 
 class StopSignal:
@@ -90,6 +93,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
             ended = next((node for node in nodes if node.exit_status is not None), None)
         for node in nodes:
             node.finish()
+        _linger(executor, stop, ended is not None and PARENT in os.environ)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
@@ -99,6 +103,17 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
     if ended.exit_status == BAD_CONFIGURATION:
         print(ended.exit_reason, file=sys.stderr)
     return ended.exit_status
+
+
+def _linger(executor: Any, stop: StopSignal, await_dismissal: bool) -> None:
+    """Stays until the last messages have arrived: a writer that is gone takes them with it.
+
+    `wait_for_all_acked` is no help: readers acknowledge at the next heartbeat, seconds later. A
+    bringup that has heard the last word says so by its signal.
+    """
+    deadline = time.monotonic() + (_DISMISSAL if await_dismissal else _LAST_WORD)
+    while time.monotonic() < deadline and not (await_dismissal and stop.asked):
+        executor.spin_until_future_complete(Future(), timeout_sec=0.02)
 
 
 def die_with_parent() -> None:
