@@ -19,10 +19,12 @@ EXECUTABLES: tuple[str, ...] = (
     "leg_controller",
     "arm_controller",
     "leader",
+    "arm_task",
     "recorder",
     "composed",
     "bringup",
     "report",
+    "arm_experiment",
 )
 
 

@@ -10,7 +10,7 @@ from rclpy.context import Context
 from rclpy.parameter import Parameter
 
 from follower_humanoid.core.topics import READERS, TOPICS
-from follower_humanoid.graph.wiring import NODES, SIMULATOR, WIRING, used_tick
+from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, WIRING, used_tick
 from follower_humanoid.ros.barrier import RESET
 from follower_humanoid.ros.component_node import ComponentNode
 from follower_humanoid.ros.lockstep import CLOCK
@@ -94,7 +94,7 @@ def test_the_clock_comes_from_the_simulator_alone(endpoints):
 
 @pytest.mark.parametrize("topic", TOPICS)
 def test_every_topic_has_one_source(topic):
-    assert sum(topic in node.outputs.values() for node in WIRING) == 1
+    assert sum(topic in node.outputs.values() for node in (*WIRING, ARM_TASK)) == 1
 
 
 def test_only_the_state_and_the_commands_of_a_tick_are_used_at_that_tick():

@@ -46,3 +46,42 @@ def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInver
     null: Array = inverse @ jacobian
     np.subtract(np.eye(jacobian.shape[-1]), null, out=null)
     return TaskInverse(inverse, null)
+
+
+def limit_avoidance(position: Array, lower: Array, upper: Array, gain: float) -> Array:
+    """Joint velocity away from the ends of the ranges, for the null space of eq. (6).
+
+    Gradient of `ω = −1/(2n) Σ ((q_i − q̄_i)/(q_i,max − q_i,min))²`, times k_0:
+    `q̇_h,i = −(k_0/n) (q_i − q̄_i)/(q_i,max − q_i,min)²`, q̄ in the middle of the range.
+
+    Args:
+        position: q, shape (..., n) [rad].
+        lower, upper: Ends of the ranges, shape (..., n) [rad].
+        gain: k_0 [rad²/s].
+
+    Returns:
+        q̇_h, shape (..., n) [rad/s].
+
+    Reference: Savić et al. 2016, eq. (7), with the square that ω needs.
+    """
+    width = upper - lower
+    velocity: Array = (-gain / position.shape[-1]) * (position - 0.5 * (lower + upper)) / width**2
+    return velocity
+
+
+def joint_velocity(inverse: TaskInverse, task_velocity: Array, null_velocity: Array) -> Array:
+    """`q̇_d = J⁺ v_ref + (I − J⁺J) q̇_h`.
+
+    Args:
+        inverse: J⁺ and its null projector.
+        task_velocity: v_ref, shape (..., m) [m/s].
+        null_velocity: q̇_h, shape (..., n) [rad/s].
+
+    Returns:
+        Shape (..., n) [rad/s].
+
+    Reference: Savić et al. 2016, eq. (6).
+    """
+    task, null = task_velocity[..., None], null_velocity[..., None]
+    desired: Array = (inverse.inverse @ task + inverse.null @ null)[..., 0]
+    return desired

@@ -44,6 +44,8 @@ _TABLE = (
     Topic("left_hand/applied", samples.Wrench, everybody=False),
     Topic("right_hand/applied", samples.Wrench, everybody=False),
     Topic("base/applied", samples.Wrench, everybody=False),
+    Topic("left_hand/contact", samples.Wrench, everybody=False),
+    Topic("right_hand/contact", samples.Wrench, everybody=False),
     # leader, or anybody
     Topic("leader/left_hand/wrench", samples.Wrench, everybody=False),
     Topic("leader/right_hand/wrench", samples.Wrench, everybody=False),
@@ -73,6 +75,9 @@ _TABLE = (
     # controllers
     Topic("legs/command", samples.Joints, "base_link", joints="legs"),
     Topic("arms/command", samples.Joints, "base_link", joints="arms"),
+    Topic("arms/mode", samples.PrimitiveStates),
+    # arm_task
+    Topic("left_hand/target", samples.Odometry, "base_link", child_frame="l_gripper_target"),
 )
 
 TOPICS: dict[str, Topic] = {topic.name: topic for topic in _TABLE}
@@ -97,5 +102,6 @@ READERS: dict[str, frozenset[str]] = {
     "balance/reference": frozenset({"leg_controller"}),
     "legs/command": frozenset({"simulator"}),
     "arms/command": frozenset({"simulator"}),
+    "left_hand/target": frozenset({"arm_controller"}),
     **{topic.name: frozenset({"simulator"}) for topic in _TABLE if not topic.everybody},
 }

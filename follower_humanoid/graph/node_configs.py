@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from follower_humanoid.bag.recorder import RecorderConfig
 from follower_humanoid.core.config import ParameterInfo, parameter, parameters_of
-from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.graph.wiring import ARM_TASK, NODES, node_wiring
 from follower_humanoid.ros.graph_config import RECORDER, GraphConfig, shared_config_classes
 
 
@@ -19,12 +19,12 @@ class RosConfig:
 
 def node_names() -> tuple[str, ...]:
     """Every node that a parameter file may name, in the order of the wiring table."""
-    return (*NODES, RECORDER)
+    return (*NODES, ARM_TASK.name, RECORDER)
 
 
 def config_classes(node: str) -> tuple[type, ...]:
     """The configuration dataclasses of a node: its own, then what it shares with others."""
-    own = RecorderConfig if node == RECORDER else NODES[node].component_class().Config
+    own = RecorderConfig if node == RECORDER else node_wiring(node).component_class().Config
     return (own, *shared_config_classes(node), RosConfig)
 
 

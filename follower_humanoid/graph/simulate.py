@@ -8,7 +8,7 @@ from typing import Any
 
 from follower_humanoid.core.config import build
 from follower_humanoid.graph.record import Run, RunRecorder
-from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, WIRING, NodeWiring, used_tick
+from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, NodeWiring, nodes_with, used_tick
 from follower_humanoid.robot.model import RobotModel
 
 TICK = 0.002
@@ -26,6 +26,7 @@ class Chain:
         urdf: str = "",
         without: tuple[str, ...] = (),
         interference: Interference | None = None,
+        more: tuple[str, ...] = (),
     ) -> None:
         """Makes the components.
 
@@ -36,12 +37,13 @@ class Chain:
             without: Nodes left out; their topics stay empty.
             interference: Called with (topic, tick, sample) for every sample; what it returns flows on in
                 its place, as if another node published there.
+            more: Nodes besides those that always run.
         """  # fmt: skip
         self.tick_length = tick
         self.robot = RobotModel(urdf)
         self._parameters = parameters or {}
         self._interference = interference
-        self.nodes = [node for node in WIRING if node.name not in without]
+        self.nodes = [node for node in nodes_with(more).values() if node.name not in without]
         self.components = {node.name: self._make(node) for node in self.nodes}
         self.simulator = self.components[SIMULATOR]
         self._flow: dict[str, dict[int, Any]] = {topic: {} for topic in PRODUCER}

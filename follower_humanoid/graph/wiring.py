@@ -9,7 +9,8 @@ made by `Component(config, robot, period)` with the period in seconds, and stepp
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 from follower_humanoid.core.topics import TOPICS
@@ -91,6 +92,8 @@ WIRING: tuple[NodeWiring, ...] = (
             "left_applied": "left_hand/applied",
             "right_applied": "right_hand/applied",
             "base_applied": "base/applied",
+            "left_contact": "left_hand/contact",
+            "right_contact": "right_hand/contact",
         },
         same_tick=True,
     ),
@@ -163,24 +166,46 @@ WIRING: tuple[NodeWiring, ...] = (
         "arm_controller",
         "control.arms:ArmController",
         inputs={**_BODY_STATE, "imu": "imu", **_HANDS},
-        outputs={"command": "arms/command"},
+        outputs={"command": "arms/command", "mode": "arms/mode"},
         same_tick=True,
     ),
 )
 
 NODES: dict[str, NodeWiring] = {node.name: node for node in WIRING}
-PRODUCER: dict[str, NodeWiring] = {topic: node for node in WIRING for topic in node.outputs.values()}
+
+# Only where an experiment leads a hand: who says where it shall go, and the controller listening.
+ARM_TASK = NodeWiring(
+    "arm_task",
+    "arm_experiment.arm_task:ArmTask",
+    inputs=_BODY_STATE,
+    outputs={"left_target": "left_hand/target"},
+)
+_LED_ARMS = replace(
+    NODES["arm_controller"], inputs={**NODES["arm_controller"].inputs, "left_target": "left_hand/target"}
+)
+
+PRODUCER: dict[str, NodeWiring] = {
+    topic: node for node in (*WIRING, ARM_TASK) for topic in node.outputs.values()
+}
 
 
-def node_wiring(name: str) -> NodeWiring:
-    """The wiring of one node.
+def nodes_with(present: Collection[str]) -> dict[str, NodeWiring]:
+    """The wiring table as it is when the given nodes run: with `arm_task` the arms take its targets."""
+    if ARM_TASK.name not in present:
+        return NODES
+    return {**NODES, _LED_ARMS.name: _LED_ARMS, ARM_TASK.name: ARM_TASK}
+
+
+def node_wiring(name: str, present: Collection[str] = ()) -> NodeWiring:
+    """The wiring of one node, among the given others.
 
     Raises:
         UnknownNameError: No node of that name.
     """
-    if name not in NODES:
-        raise UnknownNameError("node", name, NODES)
-    return NODES[name]
+    table = nodes_with((name, *present))
+    if name not in table:
+        raise UnknownNameError("node", name, table)
+    return table[name]
 
 
 def used_tick(tick: int, topic: str) -> int:

@@ -30,14 +30,25 @@ class BulletRobot:
         center_in_base: The base link's own centre of mass in base_link, shape (3,) [m].
     """
 
-    def __init__(self, world: World, urdf: str, joint_names: tuple[str, ...]) -> None:
-        """Loads the URDF text; `joint_names` gives the order of the 45 joints."""
+    def __init__(
+        self, world: World, urdf: str, joint_names: tuple[str, ...], driven: Indices | None = None
+    ) -> None:
+        """Loads the URDF text.
+
+        Args:
+            world: Where to.
+            urdf: The body as `bullet_body` makes it.
+            joint_names: Order of the 45 joints.
+            driven: The joints that move; then the base is fixed to the world. All, by default.
+        """
         self._client = client = world.client
-        self.body = world.load(urdf)
+        self.body = world.load(urdf, fixed=driven is not None)
         count = pybullet.getNumJoints(self.body, physicsClientId=client)
         infos = [pybullet.getJointInfo(self.body, n, physicsClientId=client) for n in range(count)]
         names = [info[1].decode() for info in infos]
         self._joints = [names.index(name) for name in joint_names]
+        self._driven = self._joints if driven is None else [self._joints[n] for n in driven]
+        self._rows: slice | Indices = slice(None) if driven is None else driven
         self.link_names = {-1: "base_link"} | {n: info[12].decode() for n, info in enumerate(infos)}
         for link in range(-1, count):
             # Bullet's default damping of 0.04 is phantom drag. Friction is the product of both bodies'.
@@ -48,7 +59,7 @@ class BulletRobot:
             )  # fmt: skip
         # Bullet's default velocity motors would hold the joints.
         pybullet.setJointMotorControlArray(
-            self.body, self._joints, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(self._joints),
+            self.body, self._driven, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(self._driven),
             physicsClientId=client,
         )  # fmt: skip
         info = pybullet.getDynamicsInfo(self.body, -1, physicsClientId=client)
@@ -71,7 +82,9 @@ class BulletRobot:
         )
         linear = rotation @ v[:3] + cross(spin, center)
         pybullet.resetBaseVelocity(self.body, linear.tolist(), spin.tolist(), physicsClientId=self._client)
-        for joint, angle, rate in zip(self._joints, q[7:], v[BASE_DOF:], strict=True):
+        self.q[7:] = q[7:]
+        angles, rates = q[7:][self._rows], v[BASE_DOF:][self._rows]
+        for joint, angle, rate in zip(self._driven, angles, rates, strict=True):
             pybullet.resetJointState(
                 self.body, joint, float(angle), float(rate), physicsClientId=self._client
             )
@@ -86,10 +99,10 @@ class BulletRobot:
         )
         position, quat = pybullet.getBasePositionAndOrientation(self.body, self._client)
         linear, spin = pybullet.getBaseVelocity(self.body, self._client)
-        states = pybullet.getJointStates(self.body, self._joints, self._client)
+        states = pybullet.getJointStates(self.body, self._driven, self._client)
         q, v = self.q, self.v
-        q[7:] = [state[0] for state in states]
-        v[BASE_DOF:] = [state[1] for state in states]
+        q[7:][self._rows] = [state[0] for state in states]
+        v[BASE_DOF:][self._rows] = [state[1] for state in states]
         q[3:7] = quat
         rotation: Array = pin.Quaternion(q[3:7]).toRotationMatrix()
         if not self._aligned:
@@ -111,7 +124,7 @@ class BulletRobot:
     def drive(self, torque: Array) -> None:
         """Joint torques of the next step, shape (45,) [N·m]."""
         pybullet.setJointMotorControlArray(
-            self.body, self._joints, pybullet.TORQUE_CONTROL, forces=torque.tolist(),
+            self.body, self._driven, pybullet.TORQUE_CONTROL, forces=torque[self._rows].tolist(),
             physicsClientId=self._client,
         )  # fmt: skip
 

@@ -7,8 +7,12 @@ Pinocchio keeps them. Bullet's joint limits are constraints of its own making: o
 from __future__ import annotations
 
 import copy
+import math
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Side
@@ -64,8 +68,32 @@ def plant_body(urdf: str, errors: BodyErrorConfig) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def bullet_body(urdf: str) -> str:
-    """URDF for PyBullet: massless links, visuals, feet's collision shapes and joint limits left out."""
+def _vector(element: ET.Element | None, key: str, default: str) -> list[float]:
+    text = default if element is None else element.get(key, default)
+    return [float(word) for word in text.split()]
+
+
+def _freeze(joint: ET.Element, angle: float) -> None:
+    """Makes a revolute joint a fixed one that stands at an angle [rad]."""
+    axis, origin = _vector(joint.find("axis"), "xyz", "1 0 0"), joint.find("origin")
+    if origin is None:
+        origin = ET.SubElement(joint, "origin")
+    turned = pin.rpy.rpyToMatrix(*_vector(origin, "rpy", "0 0 0"))
+    length = math.sqrt(sum(x * x for x in axis))
+    half = math.sin(angle / 2) / length
+    turn = pin.Quaternion(math.cos(angle / 2), *(half * x for x in axis)).toRotationMatrix()
+    origin.set("rpy", " ".join(repr(float(x)) for x in pin.rpy.matrixToRpy(turned @ turn)))
+    joint.set("type", "fixed")
+
+
+def bullet_body(urdf: str, held: Mapping[str, float] | None = None) -> str:
+    """URDF for PyBullet: massless links, visuals, feet's collision shapes and joint limits left out.
+
+    Args:
+        urdf: The plant's own body.
+        held: Joints that do not move, and the angle at which each stands [rad].
+    """
+    held = held or {}
     root = copy.deepcopy(ET.fromstring(urdf))
     massless = {link.get("name") for link in root.findall("link") if link.find("inertial") is None}
     feet = set()
@@ -75,6 +103,8 @@ def bullet_body(urdf: str) -> str:
             if "_contact_" in str(child.get("link")):
                 feet.add(parent.get("link"))
             root.remove(joint)
+        elif str(joint.get("name")) in held:
+            _freeze(joint, held[str(joint.get("name"))])
         elif joint.get("type") == "revolute":
             joint.set("type", "continuous")
     for link in list(root.findall("link")):

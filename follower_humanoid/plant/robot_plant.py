@@ -25,10 +25,20 @@ from follower_humanoid.plant.spatial import cross
 from follower_humanoid.plant.standing import StandingConfig, standing
 from follower_humanoid.plant.stops import StopConfig, Stops
 from follower_humanoid.plant.world import World
-from follower_humanoid.robot.model import BASE_DOF, RobotModel
+from follower_humanoid.robot.model import BASE_DOF, Indices, RobotModel
 
 # Solving again when points change between sticking, slipping and lifting; then forces are clipped.
 MAX_PASSES = 4
+
+
+# Inertia of what a fixed trunk holds: arms move it by nothing that a double could show.
+_IMMOVABLE = 1e12
+
+
+def _held_rows(robot: RobotModel) -> Indices:
+    """Rows of v that a fixed trunk holds: the base and every joint but the arms'."""
+    moving = BASE_DOF + robot.groups.arms
+    return np.setdiff1d(np.arange(BASE_DOF + len(robot.joint_names)), moving)
 
 
 @dataclass(frozen=True)
@@ -63,17 +73,20 @@ class RobotPlant:
 
     def __init__(
         self, world: World, robot: RobotModel, motors: MotorConfig, soles: SoleConfig, stops: StopConfig,
-        posture: StandingConfig, errors: BodyErrorConfig,
+        posture: StandingConfig, errors: BodyErrorConfig, fixed_trunk: bool = False,
     ) -> None:  # fmt: skip
-        """Puts the robot into the world, standing."""
+        """Puts the robot into the world, standing; with a fixed trunk only its arms move."""
         self.world, self.robot = world, robot
         self._step = world.step_length
         urdf = plant_body(robot.urdf, errors)
         self.model: pin.Model = pin.buildModelFromXML(urdf, pin.JointModelFreeFlyer())
         self.motors = Motors(motors, robot, self._step)
-        self.model.armature = np.concatenate(
+        armature = np.concatenate(
             (np.zeros(BASE_DOF), self.motors.inertia + self._step * self.motors.damping)
         )
+        self._held = _held_rows(robot) if fixed_trunk else np.zeros(0, dtype=np.intp)
+        armature[self._held] = _IMMOVABLE
+        self.model.armature = armature
         self.data = self.model.createData()
         # Views of Pinocchio's memory: they follow its algorithms.
         self._mass_matrix: Array = self.data.M
@@ -81,7 +94,7 @@ class RobotPlant:
         self._posture, self._stiffness = posture, soles.stiffness
         self.soles = Soles(soles, robot, self.data, world.ground, self._step)
         self.stops = Stops(stops, robot.lower, robot.upper, self._step)
-        self.bullet = BulletRobot(world, bullet_body(urdf), robot.joint_names)
+        self.bullet = self._body(urdf, fixed_trunk)
         self.q, self.v = self.bullet.q, self.bullet.v
         self.acceleration = np.zeros(self.model.nv)
         self.base_acceleration = np.zeros(3)
@@ -95,12 +108,21 @@ class RobotPlant:
         """Base to world, shape (3, 3)."""
         return self.bullet.rotation
 
+    def _body(self, urdf: str, fixed_trunk: bool) -> BulletRobot:
+        names = self.robot.joint_names
+        if not fixed_trunk:
+            return BulletRobot(self.world, bullet_body(urdf), names)
+        state = standing(self.robot, self.model, self._posture, self._stiffness)
+        held = {names[n]: float(state.configuration[7 + n]) for n in self._held[BASE_DOF:] - BASE_DOF}
+        return BulletRobot(self.world, bullet_body(urdf, held), names, self.robot.groups.arms)
+
     def stand(self) -> None:
         """Puts the robot into static equilibrium at the world's origin."""
         state = standing(self.robot, self.model, self._posture, self._stiffness)
         self.bullet.place(state.configuration, np.zeros(self.model.nv))
         pin.computeJointJacobians(self.model, self.data, self.q)
-        self.soles.settle(state.point_forces)
+        if not self._held.size:  # a fixed trunk needs no ground
+            self.soles.settle(state.point_forces)
         self.motors.hold(state.torque)
         self.effort = state.torque.copy()
         self.acceleration = np.zeros(self.model.nv)
@@ -131,7 +153,7 @@ class RobotPlant:
         free[BASE_DOF:] += self.motors.drive
         free[BASE_DOF:] -= self.motors.damping * rate
         places = [self._add_pull(pull, free) for pull in pulls]
-        on_ground = self.soles.begin(self._world_jacobian, v)
+        on_ground = not self._held.size and self.soles.begin(self._world_jacobian, v)
         on_stop = self.stops.begin(q[7:], rate)
         for passes in range(1, MAX_PASSES + 1):
             # Includes rotor inertia and implicit damping as the model's armature.
@@ -151,6 +173,7 @@ class RobotPlant:
             if settled:
                 break
         self.settled = settled
+        qdd[self._held] = 0.0
         self.effort = self.motors.finish(qdd[BASE_DOF:], rate + h * qdd[BASE_DOF:])
         self.acceleration = qdd
         if on_ground:

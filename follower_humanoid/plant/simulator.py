@@ -9,6 +9,7 @@ import numpy as np
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Inertial, Joints, Odometry, Wrench
 from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.plant.board import Board, BoardConfig
 from follower_humanoid.plant.drives import Drives, HoldConfig
 from follower_humanoid.plant.falls import Fall, FallWatch
 from follower_humanoid.plant.motors import MotorConfig
@@ -31,6 +32,8 @@ class SimulatorConfig:
     """Everything that only the plant knows."""
 
     physics_step: float = parameter(0.001, "physics step; control ticks are whole multiples", "s", 1e-5, 0.01)
+    fixed_trunk: bool = parameter(False, "fix all but the arms to the world: no ground, no falls")
+    board: BoardConfig = field(default_factory=BoardConfig)
     ground: GroundConfig = field(default_factory=GroundConfig)
     soles: SoleConfig = field(default_factory=SoleConfig)
     motors: MotorConfig = field(default_factory=MotorConfig)
@@ -68,6 +71,7 @@ class SimulatorOutputs:
         left_foot, right_foot: Ground on foot, at and in the sole frame.
         left_wrist, right_wrist: Hand on forearm, at and in the wrist frame.
         left_applied, right_applied, base_applied: What people applied, axes of world.
+        left_contact, right_contact: Board on gripper, axes of world; None without a board.
     """
 
     joints: Joints
@@ -80,6 +84,8 @@ class SimulatorOutputs:
     left_applied: Wrench
     right_applied: Wrench
     base_applied: Wrench
+    left_contact: Wrench | None
+    right_contact: Wrench | None
 
 
 class Simulator:
@@ -117,11 +123,15 @@ class Simulator:
         self._robot, self._period = robot, period
         self.world = World(config.physics_step, Ground(config.ground))
         self.plant = RobotPlant(
-            self.world, robot, config.motors, config.soles, config.stops, config.standing, config.body
-        )
+            self.world, robot, config.motors, config.soles, config.stops, config.standing, config.body,
+            config.fixed_trunk,
+        )  # fmt: skip
+        self._board = Board(config.board, self.plant) if config.board.stiffness > 0.0 else None
         self._sensors = Sensors(config.sensors, self.plant)
         groups = (robot.groups.legs, robot.groups.arms)
         self._drives = [Drives(config.hold, config.motors, robot, group) for group in groups]
+        # A fixed trunk is held whether or not its joints are driven.
+        self._commanded = 1 if config.fixed_trunk else 0
         self._falls = FallWatch(float(self.plant.q[2]))
         self._voltage = np.zeros(len(robot.joint_names))
         self._pulled = [robot.frame_id(name) for name in PULLED]
@@ -165,19 +175,26 @@ class Simulator:
             PhysicsError: The state left the finite numbers.
         """
         plant, sensors = self.plant, self._sensors
-        for drives, command in zip(self._drives, (inputs.legs, inputs.arms), strict=True):
-            drives.receive(command)
+        for group, (drives, command) in enumerate(
+            zip(self._drives, (inputs.legs, inputs.arms), strict=True)
+        ):
+            if group >= self._commanded:
+                drives.receive(command)
             drives.write(plant.q[7:], plant.v[6:], self._voltage)
         grips = self._grips(inputs)
         pulls: tuple[Pull, ...] = ()
         self._applied.fill(0.0)
         sensors.clear()
+        if self._board is not None:
+            self._board.clear()
         for step in range(self._steps):
             for drives in self._drives:
                 if step > 0 and drives.holding:
                     drives.write(plant.q[7:], plant.v[6:], self._voltage)
             if grips:
                 pulls = tuple(self._pull(*grip) for grip in grips)
+            if self._board is not None:
+                pulls = (*(pulls if grips else ()), *self._board.pulls())
             sensors.before_step()
             plant.step(self._voltage, pulls)
             sensors.after_step(pulls)
@@ -215,9 +232,13 @@ class Simulator:
     def _read(self) -> SimulatorOutputs:
         readings = self._sensors.read()
         left, right, base = (Wrench(row[:3].copy(), row[3:].copy()) for row in self._applied)
+        contacts: list[Wrench | None] = [None, None]
+        if self._board is not None:
+            contacts = [Wrench(force, np.zeros(3)) for force in self._board.mean_force()]
         return SimulatorOutputs(
             joints=readings.joints, odometry=readings.odometry, imu=readings.imu,
             left_foot=readings.left_foot, right_foot=readings.right_foot,
             left_wrist=readings.left_wrist, right_wrist=readings.right_wrist,
             left_applied=left, right_applied=right, base_applied=base,
+            left_contact=contacts[0], right_contact=contacts[1],
         )  # fmt: skip

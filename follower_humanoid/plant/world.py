@@ -57,7 +57,7 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=step_length, numSolverIterations=50, numSubSteps=0,
             deterministicOverlappingPairs=1, enableFileCaching=0, physicsClientId=self.client,
-        )  # fmt: skip
+        )
         pybullet.setGravity(0, 0, -GRAVITY, physicsClientId=self.client)
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self.client)
         self.ground_body: int = pybullet.createMultiBody(0, plane, physicsClientId=self.client)
@@ -65,8 +65,12 @@ class World:
             self.ground_body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=self.client
         )
 
-    def load(self, urdf: str) -> int:
+    def load(self, urdf: str, fixed: bool = False) -> int:
         """Puts a robot, given as URDF text, into the world; returns PyBullet's body id.
+
+        Args:
+            urdf: The description.
+            fixed: True fixes the base to the world.
 
         Raises:
             ConfigurationError: PyBullet cannot read it.
@@ -76,7 +80,8 @@ class World:
             with os.fdopen(handle, "w", encoding="utf-8") as file:
                 file.write(urdf)
             body: int = pybullet.loadURDF(
-                path, flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=self.client
+                path, flags=pybullet.URDF_USE_INERTIA_FROM_FILE, useFixedBase=fixed,
+                physicsClientId=self.client,
             )
         except pybullet.error as error:
             raise ConfigurationError(f"PyBullet cannot load the URDF: {error}") from None

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 from std_msgs.msg import String
 
-from follower_humanoid.graph.wiring import NODES, SIMULATOR
+from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.lockstep import CLOCK
 from follower_humanoid.ros.qos import LATCHED
@@ -27,7 +27,7 @@ def expected_readers(topic: str, present: Collection[str]) -> frozenset[str]:
     """Names of the nodes that must have found a publisher of `topic` before tick 0."""
     readers = {
         name
-        for name, node in NODES.items()
+        for name, node in nodes_with(present).items()
         if topic in node.inputs.values() or (topic == CLOCK and not node.inputs)
     }
     return frozenset((readers | {RECORDER}) & set(present))
@@ -104,7 +104,7 @@ class RollCall:
 
     def __init__(self, node: Node, present: Collection[str], complete: Callable[[], None]) -> None:
         """Args: the node that listens, the nodes that run, and what to do when the last has spoken."""
-        self.others = frozenset(name for name in present if name in NODES and name != SIMULATOR)
+        self.others = frozenset(name for name in present if name not in (RECORDER, SIMULATOR))
         self._awaited = set(self.others)
         self._complete = complete
         node.create_subscription(String, READY, self._heard, LATCHED)

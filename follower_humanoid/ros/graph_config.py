@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.errors import UnknownNameError
-from follower_humanoid.graph.wiring import NODES, SIMULATOR
+from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR
 
 RECORDER = "recorder"
 LEADER = "leader"
@@ -34,8 +34,8 @@ class GraphConfig:
         """
         names = frozenset(name.strip() for name in self.nodes.split(",") if name.strip())
         for name in sorted(names):
-            if name not in NODES and name != RECORDER:
-                raise UnknownNameError("node", name, (*NODES, RECORDER))
+            if name not in NODES and name not in (RECORDER, ARM_TASK.name):
+                raise UnknownNameError("node", name, (*NODES, ARM_TASK.name, RECORDER))
         return names
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
-from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, NodeWiring
+from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, NodeWiring, node_wiring, nodes_with
 from follower_humanoid.ros.barrier import RESET, Announcer, Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import NANOSECONDS, Codec, stamp_of
@@ -46,7 +46,7 @@ class LockStepNode(ManagedNode):
             ConfigurationError: A parameter value cannot be used.
         """
         super().__init__(wiring.name, **options)
-        self.wiring = wiring
+        self.wiring = wiring = node_wiring(wiring.name, self.present)
         with quiet_stderr():  # a physics engine introduces itself when it is imported
             component_class = wiring.component_class()
         adjustable = hasattr(component_class, "reconfigure")
@@ -105,7 +105,8 @@ class LockStepNode(ManagedNode):
             publisher = self.make_publisher(self._codecs[topic].message_type, topic)
             self._publishers_by_topic[topic] = publisher
             self._barrier.watch(publisher, expected_readers(topic, self.present) - {self.wiring.name})
-        readers = {n for topic in self.outputs() for n in expected_readers(topic, self.present) if n in NODES}
+        table = nodes_with(self.present)
+        readers = {n for topic in self.outputs() for n in expected_readers(topic, self.present) if n in table}
         self._absent = self.make_publisher(Header, ABSENT)
         self._barrier.watch(self._absent, readers)
         self.make_subscription(Header, ABSENT, self._receive_absent)

@@ -12,7 +12,7 @@ import yaml
 
 from follower_humanoid.core.yaml_file import read_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
-from follower_humanoid.graph.wiring import NODES, SIMULATOR
+from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR
 from follower_humanoid.resources import share_path
 from follower_humanoid.ros.bringup_options import NONE, Options
 from follower_humanoid.ros.graph_config import LEADER, RECORDER
@@ -160,7 +160,7 @@ def _split_parameters(
         if not sign:
             raise ConfigurationError(f"--ros-args {word} {value}: needs NAME:=VALUE")
         node, _, own = name.rpartition(":")
-        if node and node not in (*NODES, RECORDER):
+        if node and node not in (*NODES, ARM_TASK.name, RECORDER):
             raise UnknownNameError("node in --ros-args", node, (*NODES, RECORDER))
         assignments.append((node, own, text))
     return tuple(rest), files, assignments

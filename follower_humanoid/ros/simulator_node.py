@@ -51,8 +51,10 @@ class SimulatorNode(LockStepNode):
             self.create_timer(_PACE, self.run_ready_steps, clock=self._wall)
 
     def awaited_topics(self) -> tuple[str, ...]:
-        """Commands, and the leader's wrenches where the built-in leader runs."""
-        topics = node_wiring(SIMULATOR).inputs.values()
+        """Commands of what can move, and the leader's wrenches where the built-in leader runs."""
+        topics = list(node_wiring(SIMULATOR).inputs.values())
+        if self.config.fixed_trunk:
+            topics.remove("legs/command")
         return tuple(t for t in topics if t not in PEOPLE_TOPICS or LEADER in self.present)
 
     def set_up(self) -> None:
