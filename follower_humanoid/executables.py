@@ -25,6 +25,7 @@ EXECUTABLES: tuple[str, ...] = (
     "bringup",
     "report",
     "arm_experiment",
+    "replay",
 )
 
 

@@ -39,7 +39,7 @@ def front(words: Sequence[str]) -> int:
     try:
         status = _dispatch(words)
         sys.stdout.flush()
-    except (UsageError, ConfigurationError) as error:
+    except ConfigurationError as error:
         return _complain(error, BAD_USAGE)
     except CommandError as error:
         return _complain(error, FAILED)

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NoReturn
 
-from follower_humanoid.errors import FollowerError
+from follower_humanoid.errors import ConfigurationError, FollowerError
 
 
-class UsageError(FollowerError):
+class UsageError(ConfigurationError):
     """The command line cannot be used: one line, exit status 2."""
 
 

@@ -1,0 +1,74 @@
+"""Executable: `replay BAG` plays a recorded run, `replay BAG --simulate` runs it again."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.ros.bringup_options import split_ros_args
+from follower_humanoid.ros2_front.verbs import Parser
+
+BAD_USAGE = 2
+
+
+def main(args: list[str] | None = None) -> int:
+    """Plays or simulates; returns the exit status."""
+    try:
+        own, ros_args = split_ros_args(sys.argv[1:] if args is None else args)
+        return _run(_parser().parse_args(own), ros_args)
+    except ConfigurationError as error:
+        print(error, file=sys.stderr)
+        return BAD_USAGE
+
+
+def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
+    from follower_humanoid.replay.player import PlayOptions
+    from follower_humanoid.ros.replay_node import play
+
+    options = PlayOptions(
+        bag=given.bag, rate=given.rate, loop=given.loop, topics=tuple(given.topics or ()),
+        start=given.start, paused=given.paused,
+    )  # fmt: skip
+    return play(options, ros_args)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="replay",
+        description="Publishes a recorded run with its clock. The space bar pauses it, and so do the "
+        "services ~/pause, ~/resume and ~/toggle_paused.",
+        epilog="Exit status: 0 played to its end or stopped, 2 bad usage or an unusable bag.",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("bag", metavar="BAG", type=Path, help="bag folder or .mcap file, of any ROS 2 recorder")
+    add("--rate", type=_above_zero, default=1.0, metavar="R", help="recorded seconds a second (default: 1)")
+    add("--loop", action="store_true", help="again and again")
+    add("--topics", nargs="+", metavar="TOPIC", help="only these, and the clock (default: all)")
+    add("--start", type=_from_zero, default=0.0, metavar="S", help="leave out the first seconds")
+    add("--paused", action="store_true", help="begin with a pause")
+    return parser
+
+
+def _above_zero(text: str) -> float:
+    value = _from_zero(text)
+    if value == 0.0:
+        raise argparse.ArgumentTypeError(f"'{text}': needs a number greater than 0")
+    return value
+
+
+def _from_zero(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or value < 0.0:
+        raise argparse.ArgumentTypeError(f"'{text}': needs a number from 0 on")
+    return value
+
+
+if __name__ == "__main__":
+    sys.exit(main())

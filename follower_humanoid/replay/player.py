@@ -1,0 +1,115 @@
+"""Sends the messages of a bag when they are due."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.replay.events import CLOCK, CLOCK_TYPE, Event, events, with_clock
+from follower_humanoid.replay.index import BagIndex
+from follower_humanoid.replay.pace import Pace
+
+CLOCK_RATE = 100.0
+
+
+@dataclass(frozen=True)
+class PlayOptions:
+    """What is played and how.
+
+    Attributes:
+        bag: Folder or file.
+        rate: Recorded seconds per wall second.
+        loop: Again and again.
+        topics: Names of topics, none for all.
+        without: Names of topics that are left out.
+        start: Begin that long after the first message [s].
+        duration: Play that much of the recorded time [s]; None for all.
+        paused: Begin with a pause.
+        clock: Rate of the clock made where the bag has none [Hz]; 0: none.
+    """
+
+    bag: Path
+    rate: float = 1.0
+    loop: bool = False
+    topics: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
+    start: float = 0.0
+    duration: float | None = None
+    paused: bool = False
+    clock: float = CLOCK_RATE
+
+
+class Player:
+    """One playback.
+
+    Attributes:
+        topics: Full names of what is played, without a clock made here.
+        clocks: Names of the bag's own clocks.
+        pace: Pauses, resumes and stops it.
+        sent: Messages so far.
+    """
+
+    def __init__(self, index: BagIndex, options: PlayOptions, playable: Iterable[str]) -> None:
+        """Args: the bag, the options, and the topics whose type is known here.
+
+        Raises:
+            ConfigurationError: A topic that is not in the bag, or a start behind its end.
+        """
+        if options.start >= index.duration > 0.0:
+            raise ConfigurationError(
+                f"--start {options.start:g}: bag {index.path} ends after {index.duration:.3f} s"
+            )
+        self._index, self._options = index, options
+        chosen = index.chosen(options.topics)
+        if options.without:
+            chosen -= index.chosen(options.without)
+        clocks = {name for name, topic in index.topics.items() if topic.type_name == CLOCK_TYPE}
+        self.clocks = frozenset(clocks)
+        # Whoever follows the clock needs it with any choice of topics.
+        self.topics = (chosen | self.clocks) & frozenset(playable)
+        if not self.topics - self.clocks:
+            raise ConfigurationError(f"bag {index.path} holds nothing that can be played here")
+        self.pace = Pace(options.rate, options.paused)
+        self.sent = 0
+
+    @property
+    def makes_clock(self) -> bool:
+        """Whether `/clock` is made here."""
+        return not self.clocks and self._options.clock > 0.0
+
+    def run(self, send: Callable[[str, bytes], None]) -> None:
+        """Plays to the end or until stopped.
+
+        Args:
+            send: Takes the full name of a topic and a serialized message.
+        """
+        begin = self._index.begin + round(self._options.start * 1e9)
+        while not self.pace.stopped:
+            begun = False
+            for time, topic, data in self._events(begin):
+                if not begun:  # not before the first chunk is unpacked
+                    begun = True
+                    self.pace.begin(begin)
+                if not self.pace.wait_for(time):
+                    return
+                send(topic, data)
+                self.sent += 1
+            if not self._options.loop:
+                return
+
+    def _events(self, begin: int) -> Iterator[Event]:
+        length = self._options.duration
+        end = None if length is None else begin + round(length * 1e9)
+        found: Iterable[Event] = events(self._index, self.topics, begin)
+        if self.makes_clock:
+            found = with_clock(found, round(1e9 / self._options.clock))
+        for event in found:
+            if end is not None and event.time > end:
+                return
+            yield event
+
+    def made_topics(self) -> dict[str, str]:
+        """Name → type of what is sent besides the bag's own topics."""
+        return {CLOCK: CLOCK_TYPE} if self.makes_clock else {}
