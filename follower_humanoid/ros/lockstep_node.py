@@ -272,6 +272,11 @@ class LockStepNode(ManagedNode):
         """Nothing has come for longer than the watchdog allows."""
         self.tell_once(f"waiting for {missing}")
 
+    @property
+    def steps(self) -> int:
+        """Steps taken so far."""
+        return self._steps
+
     def _reconfigure(self, config: Any) -> None:
         self.config = config
         if self.component is not None:

@@ -95,6 +95,14 @@ class ManagedNode(LifecycleNode):
         self.rejected += 1
         self.tell_once(str(error))
 
+    @property
+    def steps(self) -> int:
+        """Steps taken so far."""
+        return 0
+
+    def wind_down(self) -> None:
+        """The end is near: begin nothing new, but finish what has arrived."""
+
     def finish(self) -> None:
         """Last diagnostics before the node goes."""
         self.running = False

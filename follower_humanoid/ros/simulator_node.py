@@ -172,6 +172,10 @@ class SimulatorNode(LockStepNode):
         """Nobody else can go on either: the run is lost."""
         self.quit(FAILED, f"no message for {waited:.0f} s: {missing}")
 
+    def wind_down(self) -> None:
+        """No further tick."""
+        self.running = False
+
     @property
     def stamp(self) -> int:
         """Simulated time of the newest state [ns]."""

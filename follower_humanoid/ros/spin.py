@@ -29,6 +29,7 @@ _PR_SET_PDEATHSIG = 1
 _WAIT = 0.1
 _LAST_WORD = 0.1  # s
 _DISMISSAL = 1.5  # s
+_LONGEST_WIND_DOWN = 0.5  # s
 
 
 class StopSignal:
@@ -91,6 +92,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
         while ended is None and not stop.asked and ok():
             executor.spin_until_future_complete(stop.over, timeout_sec=_WAIT)
             ended = next((node for node in nodes if node.exit_status is not None), None)
+        _wind_down(executor, nodes)
         for node in nodes:
             node.finish()
         _linger(executor, stop, ended is not None and PARENT in os.environ)
@@ -103,6 +105,17 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
     if ended.exit_status == BAD_CONFIGURATION:
         print(ended.exit_reason, file=sys.stderr)
     return ended.exit_status
+
+
+def _wind_down(executor: Any, nodes: list[ManagedNode]) -> None:
+    """Lets everyone finish what has arrived, so that a run ends with the same last messages every time."""
+    for node in nodes:
+        node.wind_down()
+    deadline = time.monotonic() + _LONGEST_WIND_DOWN
+    done = -1
+    while time.monotonic() < deadline and done != sum(node.steps for node in nodes):
+        done = sum(node.steps for node in nodes)
+        executor.spin_until_future_complete(Future(), timeout_sec=_LAST_WORD)
 
 
 def _linger(executor: Any, stop: StopSignal, await_dismissal: bool) -> None:
