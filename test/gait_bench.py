@@ -102,7 +102,7 @@ class WalkerBench:
 
     def __init__(
         self, config: WalkerConfig | None = None, sequence: Sequence | None = None,
-        footsteps: FootstepConfig | None = None, dt: float = 0.005,
+        footsteps: FootstepConfig | None = None, dt: float = 0.01,
     ) -> None:  # fmt: skip
         self.config = config or WalkerConfig()
         self.footsteps = footsteps or FootstepConfig()
@@ -113,10 +113,11 @@ class WalkerBench:
         self.walker = Walker(self.config, self.footsteps, self.sequence, standing_feet(), rest)
         self.history: list[Tick] = []
 
-    def tick(self, gait: Gait, loads: dict[Side, float] | None = None) -> Tick:
+    def tick(self, gait: Gait, loads: dict[Side, float] | None = None, steady: bool = True) -> Tick:
         walker = self.walker
         toes = dict.fromkeys(SIDES, 0.0)
-        landed = walker.step(gait, loads or dict.fromkeys(SIDES, 0.0), toes, self.dt)
+        loads = loads or dict.fromkeys(SIDES, 0.0)
+        landed = walker.step(gait=gait, loads=loads, toes=toes, steady=steady, dt=self.dt)
         self.time += self.dt
         half = walker.half_step
         place = {
