@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from graph_bench import bringup, node, processes_with_parent_mark, run, script, wait_until
+from graph_bench import PATIENCE, bringup, node, processes_with_parent_mark, run, script, wait_until
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.simulate import simulate
@@ -215,3 +215,33 @@ def test_a_node_of_ours_started_by_hand_takes_its_place_in_the_lock_step(place, 
             assert by_hand.wait(10) == 0
     ours, theirs = separate[1]["joint_states"].position, recorded(bag)["joint_states"].position
     assert ours.tobytes() == theirs.tobytes()
+
+
+RESET = """
+import rclpy
+from std_srvs.srv import Trigger
+rclpy.init()
+node = rclpy.create_node("impatient")
+client = node.create_client(Trigger, "reset")
+client.wait_for_service()
+asked = client.call_async(Trigger.Request())
+rclpy.spin_until_future_complete(node, asked)
+print(asked.result().message)
+"""
+
+
+@pytest.mark.parametrize("placement", [[], ["--composed"]])
+def test_a_reset_begins_everything_anew_while_time_goes_on(place, placement):
+    bag = place / f"reset{len(placement)}"
+    options = ("--leader", "none", "--duration", "1.2", "--bag", str(bag))
+    with bringup(place, *options, *placement) as running:
+        running.wait_until_it_runs()
+        assert script(RESET, running.environment).wait(PATIENCE) == 0
+        assert running.wait() == 0, running.complained
+    position = recorded(bag)["joint_states"].position
+    assert len(position) == 601
+    again = [tick for tick in range(5, 601) if (position[tick] == position[0]).all()]
+    assert len(again) == 1
+    rest = position[again[0] :]
+    both = min(len(rest), again[0])
+    assert rest[:both].tobytes() == position[:both].tobytes()

@@ -12,7 +12,8 @@ from graph_bench import run
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.nodes.bringup import main
-from follower_humanoid.ros.bringup_options import parse, split_ros_args
+from follower_humanoid.ros.bringup_options import _parser, parse, split_ros_args
+from follower_humanoid.ros.launch_options import SWITCHES, WORDS, bringup_command
 from follower_humanoid.ros.run_plan import make_plan
 
 
@@ -167,3 +168,10 @@ def test_bad_parameters_are_one_line_of_the_whole_process_too(tmp_path):
     assert ended.said == ""
     assert "ground.friction = 3: valid: 0.0 to 2.0" in ended.complained
     assert not (tmp_path / "bags").exists()
+
+
+def test_launch_arguments_are_the_options():
+    words = bringup_command({"leader": "fig5", "without": "leader,imu", "composed": "true", "bag": ""})[2:]
+    assert words == ["--leader", "fig5", "--without", "leader", "--without", "imu", "--composed"]
+    valid = {word.lstrip("-") for word in _parser()._option_string_actions}
+    assert set(WORDS) | set(SWITCHES) == valid - {"h", "help"}

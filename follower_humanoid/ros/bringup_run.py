@@ -30,7 +30,7 @@ from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.simulator_node import FELL
 from follower_humanoid.ros.spin import StopSignal
 from follower_humanoid.ros.status import StatusLine, summary_text
-from follower_humanoid.ros.transport import use_roomy_transport
+from follower_humanoid.ros.transport import roomy_transport
 
 COMPOSED = "composed"
 _LONGEST_START = 60.0
@@ -44,10 +44,10 @@ class BringupRun:
     def __init__(self, plan: RunPlan) -> None:
         """Args: the checked plan."""
         self._plan = plan
-        self._crew = Crew()
         self._stop = StopSignal()
         self._line = StatusLine()
         self._folder = Path(tempfile.mkdtemp(prefix="follower_humanoid_"))
+        self._crew = Crew(roomy_transport(self._folder))
         self._director: Director
 
     def run(self) -> int:
@@ -55,7 +55,6 @@ class BringupRun:
         # Only this machine's own graph, unless the user has said otherwise.
         if not any(name in os.environ for name in ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")):
             os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        use_roomy_transport(self._folder)
         arguments = self._ros_arguments()
         try:
             try:

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from follower_humanoid.ros.spin import PARENT
@@ -40,9 +40,10 @@ def child_environment() -> dict[str, str]:
 class Crew:
     """Starts, watches and ends processes."""
 
-    def __init__(self) -> None:
-        """Nobody yet."""
+    def __init__(self, environment: Mapping[str, str]) -> None:
+        """Nobody yet. Args: what to add to everyone's environment."""
         self.members: list[Member] = []
+        self._environment = {**child_environment(), **environment}
 
     def start(self, name: str, command: Sequence[str], nodes: tuple[str, ...]) -> None:
         """Starts one process, in a session of its own: Ctrl-C reaches bringup alone, which ends the others.
@@ -51,7 +52,7 @@ class Crew:
         """
         process = subprocess.Popen(
             list(command),
-            env=child_environment(),
+            env=self._environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             start_new_session=True,

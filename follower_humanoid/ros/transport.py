@@ -33,14 +33,17 @@ _PROFILE = f"""<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def use_roomy_transport(folder: Path) -> None:
-    """Writes the profile and names it in the environment, unless the user has a profile of their own.
+def roomy_transport(folder: Path) -> dict[str, str]:
+    """Writes the profile, unless the user has a profile of their own.
 
     Args:
         folder: Where the file may lie as long as processes start.
+
+    Returns:
+        What to add to the environment of the processes.
     """
     if any(name in os.environ for name in _VARIABLES):
-        return
+        return {}
     path = folder / "transport.xml"
     path.write_text(_PROFILE, encoding="utf-8")
-    os.environ.update(dict.fromkeys(_VARIABLES, str(path)))
+    return dict.fromkeys(_VARIABLES, str(path))
