@@ -30,7 +30,7 @@ class CaptureConfig:
     amplification: float = parameter(6.0, "largest shift of the landing per excess of the DCM", "", 1, 30)
     forward: float = parameter(0.30, "largest shift along the foot, either way", "m", 0, 0.5)
     outward: float = parameter(0.25, "largest shift away from the stance foot", "m", 0, 0.5)
-    inward: float = parameter(0.04, "largest shift towards the stance foot", "m", 0, 0.1)
+    inward: float = parameter(0.09, "largest shift towards the stance foot", "m", 0, 0.1)
     lift_off: float = parameter(
         0.035, "a foot waits on the ground while the DCM error is larger", "m", 0.005, 1
     )

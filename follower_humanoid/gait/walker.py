@@ -42,7 +42,7 @@ class WalkerConfig:
     stand_time: float = parameter(1.2, "time to bring the ZMP between the feet", "s", 0.2, 5)
     first_transfer: float = parameter(0.9, "shortest double support out of standing", "s", 0.0, 5)
     load_time: float = parameter(0.10, "time over which a foot takes or leaves its load", "s", 0.0, 1)
-    patience: float = parameter(1.0, "longest wait of a foot for the DCM before it lifts off", "s", 0, 5)
+    patience: float = parameter(0.15, "longest wait of a foot for the DCM, in half-steps", "", 0, 1)
     preview: float = parameter(4.0, "how far ahead the ZMP is planned", "s", 1, 10)
     touchdown_load: float = parameter(30.0, "normal force that counts as contact", "N", 5, 200)
 
@@ -145,7 +145,7 @@ class Walker:
         if half.single_support or steady or half.until_lift_off() > self._config.load_time:
             return False
         half.waited += dt
-        return half.waited < self._config.patience
+        return half.waited < self._config.patience * self._duration()
 
     @property
     def catching(self) -> bool:
