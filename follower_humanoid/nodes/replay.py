@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
+import signal
 import sys
 from pathlib import Path
 
@@ -25,6 +27,14 @@ def main(args: list[str] | None = None) -> int:
 
 
 def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
+    if given.simulate or given.verify:
+        # As in the graph; before NumPy is imported.
+        for library in ("OMP", "OPENBLAS", "MKL"):
+            os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+        from follower_humanoid.replay.again import simulate_again
+
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        return simulate_again(given.bag, given.namespace, given.verify)
     from follower_humanoid.replay.player import PlayOptions
     from follower_humanoid.ros.replay_node import play
 
@@ -40,7 +50,8 @@ def _parser() -> argparse.ArgumentParser:
         prog="replay",
         description="Publishes a recorded run with its clock. The space bar pauses it, and so do the "
         "services ~/pause, ~/resume and ~/toggle_paused.",
-        epilog="Exit status: 0 played to its end or stopped, 2 bad usage or an unusable bag.",
+        epilog="Exit status: 0 played to its end or stopped, or identical, 2 bad usage or an unusable bag, "
+        "4 the simulation differs from the bag (the first tick, joint and difference are named).",
         allow_abbrev=False,
     )
     add = parser.add_argument
@@ -49,6 +60,9 @@ def _parser() -> argparse.ArgumentParser:
     add("--loop", action="store_true", help="again and again")
     add("--topics", nargs="+", metavar="TOPIC", help="only these, and the clock (default: all)")
     add("--start", type=_from_zero, default=0.0, metavar="S", help="leave out the first seconds")
+    add("--simulate", action="store_true", help="run the simulation again from the bag's parameters")
+    add("--verify", action="store_true", help="and compare joint positions bit for bit (with --simulate)")
+    add("--namespace", metavar="NS", help="which robot to simulate, where the bag holds several")
     add("--paused", action="store_true", help="begin with a pause")
     return parser
 

@@ -1,0 +1,329 @@
+"""Runs a recorded run again, from what its bag carries, and compares joint positions bit for bit.
+
+Everything that acted on the robot from outside is in the bag: the parameters, the URDF, and per tick
+the wrenches that people and the leader applied. What is taken from the bag:
+
+- the applied wrenches, in the place of the leader and of people;
+- resets, told by the robot standing as at time 0 again;
+- the topics of nodes that were not this package's own (`bringup --without NODE`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from follower_humanoid.bag.about import VERSIONS, versions
+from follower_humanoid.core.config import parameters_of
+from follower_humanoid.core.samples import Array, Wrench
+from follower_humanoid.errors import ConfigurationError, UnknownNameError
+from follower_humanoid.graph.node_configs import node_parameters
+from follower_humanoid.graph.record import Integers, Run, RunRecorder, Series
+from follower_humanoid.graph.simulate import Chain
+from follower_humanoid.graph.wiring import NODES, SIMULATOR, NodeWiring, nodes_with
+from follower_humanoid.ros.graph_config import LEADER
+
+PARAMETERS = "parameters.yaml"
+_KEY = "ros__parameters"
+# Input of the simulator → topic that tells what acted.
+_APPLIED = {
+    "leader_left": "left_hand/applied",
+    "leader_right": "right_hand/applied",
+    "push": "base/applied",
+}
+# Resets fall on ticks at which every node steps.
+_PERIODS = math.lcm(*(node.period for node in NODES.values()))
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where two runs part.
+
+    Attributes:
+        tick: First tick at which a joint differs.
+        time: Of that tick [s].
+        joint: The joint that differs most at that tick.
+        recorded, simulated: Its positions [rad].
+        joints: How many joints differ at that tick.
+    """
+
+    tick: int
+    time: float
+    joint: str
+    recorded: float
+    simulated: float
+    joints: int
+
+    def __str__(self) -> str:
+        apart = abs(self.simulated - self.recorded)
+        others = f" ({self.joints} joints differ)" if self.joints > 1 else ""
+        return (
+            f"differs first at tick {self.tick} ({self.time:.3f} s), joint {self.joint}: recorded "
+            f"{self.recorded!r} rad, simulated {self.simulated!r} rad, {apart:.3g} rad apart{others}"
+        )
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a repetition takes from a recorded run.
+
+    Attributes:
+        run: The recorded run.
+        nodes: Nodes of the wiring table that ran.
+        parameters: Node → dotted name → value, of the components.
+        resets: Ticks at which the robot was put back on its feet.
+        notes: Why the repetition may come out differently, one sentence each.
+    """
+
+    run: Run
+    nodes: frozenset[str]
+    parameters: Mapping[str, Mapping[str, Any]]
+    resets: frozenset[int]
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def table(self) -> Mapping[str, NodeWiring]:
+        """The wiring table of the run."""
+        return nodes_with(self.nodes)
+
+    @property
+    def ticks(self) -> int:
+        """Ticks from time 0 to the last recorded joint state."""
+        return int(self.run["joint_states"].ticks[-1]) + 1
+
+
+def repeatable(run: Run) -> Recorded:
+    """Takes from a run what a repetition needs.
+
+    Raises:
+        ConfigurationError: The bag does not carry it, or this version of the package does not know it.
+    """
+    values = _carried_parameters(run)
+    states = run["joint_states"]
+    if states.ticks[0] != 0:
+        raise ConfigurationError(
+            f"the bag begins at {states.times[0]:.3f} s; a run can be simulated again from time 0 only"
+        )
+    if not run.urdf:
+        raise ConfigurationError("the bag carries no URDF, which simulating it again needs")
+    for topic in _APPLIED.values():
+        if topic not in run:
+            raise ConfigurationError(f"the bag holds no {topic}, which simulating it again needs")
+    listed = str(values.get(SIMULATOR, {}).get("nodes", ",".join(NODES))).split(",")
+    names = {name.strip() for name in listed}
+    nodes = frozenset(names & nodes_with(names).keys())
+    resets = _resets(run)
+    notes = [*_version_notes(run), *_gap_notes(run), *_foreign_notes(run, nodes)]
+    if resets:
+        at = ", ".join(f"{tick * run.tick:.3f} s" for tick in sorted(resets))
+        notes.append(f"the robot was put back on its feet at {at}")
+    return Recorded(run, nodes, _component_parameters(values, nodes), resets, tuple(notes))
+
+
+def _carried_parameters(run: Run) -> dict[str, dict[str, Any]]:
+    if PARAMETERS not in run.about:
+        raise ConfigurationError(
+            f"the bag carries no {PARAMETERS}: only a run recorded by bringup can be simulated again"
+        )
+    try:
+        content = yaml.safe_load(run.about[PARAMETERS])
+        return {str(node): dict(block[_KEY]) for node, block in content.items()}
+    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError):
+        raise ConfigurationError(f"{PARAMETERS} in the bag cannot be read") from None
+
+
+def _component_parameters(
+    values: Mapping[str, Mapping[str, Any]], nodes: frozenset[str]
+) -> dict[str, dict[str, Any]]:
+    """Those of the components; the others say how the graph ran, which makes no difference."""
+    parameters: dict[str, dict[str, Any]] = {}
+    for name, node in nodes_with(nodes).items():
+        given = values.get(name, {})
+        known = node_parameters(name)
+        for parameter in given:
+            if parameter not in known:
+                raise UnknownNameError(f"parameter of {name} (in the bag)", parameter, known)
+        own = {info.name for info in parameters_of(node.component_class().Config)}
+        parameters[name] = {parameter: value for parameter, value in given.items() if parameter in own}
+    return parameters
+
+
+def _resets(run: Run) -> frozenset[int]:
+    """Ticks at which joints and base are again, bit for bit, where they were at time 0."""
+    joints, base = run["joint_states"], run["odom"]
+    if len(joints) != len(base) or not np.array_equal(joints.ticks, base.ticks):
+        return frozenset()
+    state = np.hstack((joints.position, base.position, base.quat_xyzw))
+    at_start = (state == state[0]).all(axis=1)
+    began = np.flatnonzero(at_start[1:] & ~at_start[:-1]) + 1
+    return frozenset(int(tick) for tick in joints.ticks[began] if tick % _PERIODS == 0)
+
+
+def _version_notes(run: Run) -> Iterator[str]:
+    try:
+        recorded = yaml.safe_load(run.about.get(VERSIONS, "")) or {}
+    except yaml.YAMLError:
+        recorded = {}
+    here = versions()
+    for name, version in recorded.items() if isinstance(recorded, dict) else ():
+        if name in here and here[name] != version:
+            yield f"recorded with {name} {version}, here is {here[name]}: the last bits may differ"
+
+
+def _gap_notes(run: Run) -> Iterator[str]:
+    count = int(run["joint_states"].ticks[-1]) + 1
+    for topic in _APPLIED.values():
+        missing = count - len(np.unique(run[topic].ticks))
+        if missing > 0:
+            yield f"{topic}: {missing} of {count} ticks are missing; the wrench before is held there"
+
+
+def _foreign_notes(run: Run, nodes: frozenset[str]) -> Iterator[str]:
+    for name in sorted(NODES.keys() - nodes - {LEADER}):
+        topics = [topic for topic in NODES[name].outputs.values() if topic in run]
+        listed = ", ".join(topics) or "nothing"
+        yield f"{name} was not of this package: what it published is taken from the bag ({listed})"
+
+
+class Repetition(Chain):
+    """The chain with the recorded wrenches in the place of the leader and of people."""
+
+    def __init__(self, recorded: Recorded, folder: Path) -> None:
+        """Makes the components.
+
+        Args:
+            recorded: What is repeated.
+            folder: Where the URDF may be written to.
+        """
+        self._recorded = recorded
+        urdf = folder / "robot.urdf"
+        urdf.write_text(recorded.run.urdf, encoding="utf-8")
+        absent = tuple(name for name in NODES if name == LEADER or name not in recorded.nodes)
+        more = tuple(recorded.table.keys() - NODES.keys())
+        super().__init__(recorded.parameters, recorded.run.tick, str(urdf), absent, more=more)
+        self.recorder = _NoRecorder(recorded.run.tick, self.robot.joint_names, self.robot.urdf)
+        self._held = {
+            name: _Held(recorded.run[topic], recorded.ticks) for name, topic in _APPLIED.items()
+        }
+        self._foreign = {
+            topic: samples_of(recorded.run[topic])
+            for name in absent
+            if name != LEADER
+            for topic in NODES[name].outputs.values()
+            if topic in recorded.run
+        }
+
+    def advance(self) -> None:
+        """One control tick, or the reset that took its place."""
+        for topic, samples in self._foreign.items():
+            if self.tick in samples:
+                self._flow[topic][self.tick] = samples[self.tick]
+        if self.tick + 1 in self._recorded.resets:
+            self._reset()
+        else:
+            super().advance()
+
+    def _reset(self) -> None:
+        """The robot stands at the next tick, everyone else is new and knows nothing from before."""
+        self._publish(NODES[SIMULATOR], self.simulator.observe())
+        self.simulator.reset()
+        for flow in self._flow.values():
+            flow.clear()
+        self.components = {
+            node.name: self.simulator if node.name == SIMULATOR else self._make(node) for node in self.nodes
+        }
+        self.tick += 1
+
+    def _inputs(self, node: Any) -> Any:
+        inputs = super()._inputs(node)
+        if node.name != SIMULATOR:
+            return inputs
+        # The state of a tick tells what acted in the tick before it.
+        wrenches = {name: held.at(self.tick + 1) for name, held in self._held.items()}
+        return dataclasses.replace(inputs, **wrenches)
+
+
+class _NoRecorder(RunRecorder):
+    """Keeps nothing: what a repetition of hours needs is one tick at a time."""
+
+    def add(self, topic: str, tick: int, sample: Any) -> None:
+        """Forgets the sample."""
+
+
+class _Held:
+    """A recorded wrench by tick; where a tick is missing, that of the tick before."""
+
+    def __init__(self, series: Series, count: int) -> None:
+        rows = series.latest(np.arange(count + 1))
+        self._force, self._torque, self._rows = series.force, series.torque, rows
+        self._count = count
+
+    def at(self, tick: int) -> Wrench | None:
+        if tick >= self._count or self._rows[tick] < 0:
+            return None
+        row = self._rows[tick]
+        return Wrench(self._force[row], self._torque[row])
+
+
+def samples_of(series: Series) -> dict[int, Any]:
+    """Tick → sample, as it was before it was recorded."""
+    ticks = series.ticks.tolist()
+    if series.samples:
+        return dict(zip(ticks, series.samples, strict=True))
+    names = [entry.name for entry in dataclasses.fields(series.topic.kind)]
+    columns = [series.texts[name] if name in series.texts else series.fields[name] for name in names]
+    kind = series.topic.kind
+    return {tick: kind(*(_entry(column, row) for column in columns)) for row, tick in enumerate(ticks)}
+
+
+def _entry(column: Any, row: int) -> Any:
+    value = column[row]
+    return float(value) if isinstance(value, np.floating) else value
+
+
+class Comparison:
+    """Joint positions of a repetition against the recorded ones, tick by tick."""
+
+    def __init__(self, run: Run, joint_names: tuple[str, ...]) -> None:
+        """Args: the recorded run and the order of the repetition's joints.
+
+        Raises:
+            ConfigurationError: The bag does not list these joints.
+        """
+        missing = sorted(set(joint_names) - set(run.joint_names))
+        if missing:
+            raise ConfigurationError(f"the bag's joint_states leave out {', '.join(missing)}")
+        columns = [run.joint_names.index(name) for name in joint_names]
+        states = run["joint_states"]
+        self._names, self._tick = joint_names, run.tick
+        self._position: Array = np.ascontiguousarray(states.position[:, columns])
+        self._rows = {int(tick): row for row, tick in enumerate(states.ticks)}
+        self.compared = 0
+
+    def look(self, tick: int, position: Array) -> Difference | None:
+        """The difference at a tick; None where there is none or nothing was recorded.
+
+        Args:
+            tick: Control tick.
+            position: Of all joints, shape (n,) [rad].
+        """
+        row = self._rows.get(tick)
+        if row is None:
+            return None
+        self.compared += 1
+        recorded = self._position[row]
+        differs: Integers = np.flatnonzero(recorded.view(np.int64) != position.view(np.int64))
+        if not len(differs):
+            return None
+        worst = int(differs[np.argmax(np.abs(position - recorded)[differs])])
+        return Difference(
+            tick, tick * self._tick, self._names[worst],
+            float(recorded[worst]), float(position[worst]), len(differs),
+        )  # fmt: skip
