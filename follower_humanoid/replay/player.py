@@ -28,6 +28,7 @@ class PlayOptions:
         duration: Play that much of the recorded time [s]; None for all.
         paused: Begin with a pause.
         clock: Rate of the clock made where the bag has none [Hz]; 0: none.
+        clock_always: Play the bag's own clock with any choice of topics.
     """
 
     bag: Path
@@ -39,6 +40,7 @@ class PlayOptions:
     duration: float | None = None
     paused: bool = False
     clock: float = CLOCK_RATE
+    clock_always: bool = True
 
 
 class Player:
@@ -68,8 +70,9 @@ class Player:
         clocks = {name for name, topic in index.topics.items() if topic.type_name == CLOCK_TYPE}
         self.clocks = frozenset(clocks)
         # Whoever follows the clock needs it with any choice of topics.
-        self.topics = (chosen | self.clocks) & frozenset(playable)
-        if not self.topics - self.clocks:
+        also = self.clocks if options.clock_always else frozenset()
+        self.topics = (chosen | also) & frozenset(playable)
+        if not chosen & frozenset(playable):
             raise ConfigurationError(f"bag {index.path} holds nothing that can be played here")
         self.pace = Pace(options.rate, options.paused)
         self.sent = 0

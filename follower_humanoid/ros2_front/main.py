@@ -23,6 +23,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "param": ("param", "Read and set parameters of nodes"),
     "service": ("service", "List and call services"),
     "lifecycle": ("lifecycle", "Read and change the state of lifecycle nodes"),
+    "bag": ("bag", "Record, play and inspect bags"),
 }
 _NEEDS_ROS = "needs a ROS 2 installation"
 
