@@ -13,7 +13,8 @@ from follower_humanoid.balance.dcm_law import CenterState, DcmConfig, desired_fo
 from follower_humanoid.balance.foot_wrenches import FootShares, SoleConfig, foot_wrench, share_feet
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
 from follower_humanoid.balance.swing_momentum import MomentumConfig, MomentumRate
-from follower_humanoid.balance.zmp import SolePlace, ZmpConfig, convex_hull, measured_zmp, polygon_margin
+from follower_humanoid.balance.zmp import SolePlace, ZmpConfig, convex_hull, measured_zmp
+from follower_humanoid.balance.zmp_watch import ZmpWatch
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import (
     SIDES,
@@ -139,8 +140,7 @@ class ZmpBalance:
         }
         self._offset = ComOffset(config.offset, robot)
         self._swing = MomentumRate(config.momentum)
-        self._margin: float | None = None
-        self._smallest_margin = float("inf")
+        self._watch = ZmpWatch()
 
     def step(self, inputs: BalanceInputs, time: float) -> BalanceOutputs:
         """One tick: measure, correct, distribute."""
@@ -152,7 +152,7 @@ class ZmpBalance:
         left, right = places[Side.LEFT], places[Side.RIGHT]
         zmp = measured_zmp(inputs.left_foot, inputs.right_foot, left, right, floor)
         polygon = self._support_polygon(inputs)
-        self._watch(zmp, polygon)
+        self._watch.see(zmp, polygon, self._measured.oMi[1].rotation[:2, 0])
         seen = BalanceOutputs(
             com=Point(state.com),
             zmp=_ground(zmp),
@@ -170,6 +170,7 @@ class ZmpBalance:
             )
             for side in SIDES
         )  # fmt: skip
+        self._watch.command(wish.shares.zmp)
         return replace(
             seen,
             dcm=_ground(wish.dcm),
@@ -180,10 +181,8 @@ class ZmpBalance:
         )
 
     def diagnostics(self) -> dict[str, float | str]:
-        """Distance of the ZMP to the edge of the support polygon, now and at its smallest."""
-        if self._margin is None:
-            return {"zmp_margin [m]": "no ZMP"}
-        return {"zmp_margin [m]": self._margin, "smallest_zmp_margin [m]": self._smallest_margin}
+        """How the ZMP keeps to its command and to the support polygon."""
+        return self._watch.diagnostics()
 
     def _update(self, q: Array, v: Array) -> CenterState:
         model, data = self._robot.pin_model, self._measured
@@ -243,11 +242,6 @@ class ZmpBalance:
                 places = (self._measured.oMf[frame].translation for frame in self._contacts[side])
                 points += [place[:2] for place in places if place[2] < config.clearance]
         return convex_hull(np.array(points)) if points else None
-
-    def _watch(self, zmp: Array | None, polygon: Array | None) -> None:
-        self._margin = None if zmp is None or polygon is None else polygon_margin(polygon, zmp)
-        if self._margin is not None:
-            self._smallest_margin = min(self._smallest_margin, self._margin)
 
 
 def _ground(point: Array | None) -> Point | None:

@@ -72,7 +72,7 @@ def desired_force(
 ) -> Array:
     """What the ground must do to the feet in total.
 
-    F_xy = m ω²(c + γ − κ p − λ̇) − Σ f_hand,xy and F_z = m(g + k_p e_z − k_d ė_z) − Σ f_hand,z.
+    F_xy = m ω²(c + γ − κ p − λ̇) − Σ f_hand,xy and F_z = m(g + k_p e_z + k_d ė_z) − Σ f_hand,z.
 
     Args:
         state: Measured CoM.

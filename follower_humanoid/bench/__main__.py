@@ -7,10 +7,11 @@ import dataclasses
 import json
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
-from follower_humanoid.bench.scenarios import SCENARIOS, Check, Evidence, Scenario
-from follower_humanoid.errors import FollowerError, UnknownNameError
+from follower_humanoid.bench.scenarios import NO_FALL, SCENARIOS, Check, Evidence, Scenario
+from follower_humanoid.errors import ConfigurationError, FollowerError, UnknownNameError
 from follower_humanoid.graph.simulate import simulate
 
 
@@ -25,13 +26,14 @@ def main(args: list[str] | None = None) -> int:
     options = parser.parse_args(args)
     try:
         chosen = _choose(options.only, options.brief)
-        table = {scenario.name: run_scenario(scenario) for scenario in chosen}
+        _check_writable(options.json)
     except FollowerError as error:
         print(f"benchmark: {error}", file=sys.stderr)
         return 2
-    if options.json is not None:
-        rows = {name: [dataclasses.asdict(check) for check in checks] for name, checks in table.items()}
-        options.json.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    table: dict[str, list[Check]] = {}
+    for scenario in chosen:
+        table[scenario.name] = run_scenario(scenario)
+        _write(options.json, table)
     missed = [f"{name}: {c.what}" for name, checks in table.items() for c in checks if not c.passed]
     total = sum(len(checks) for checks in table.values())
     print(
@@ -45,7 +47,7 @@ def run_scenario(scenario: Scenario) -> list[Check]:
     started = time.perf_counter()
     run = simulate(scenario.programme, scenario.duration)
     wall = time.perf_counter() - started
-    checks = list(scenario.checks(Evidence.of(run)))
+    checks = _until_a_fall(scenario.checks(Evidence.of(run)))
     print(
         f"\n{scenario.name} ({scenario.duration:g} s simulated, {scenario.duration / wall:.2f} × real time)"
     )
@@ -53,6 +55,29 @@ def run_scenario(scenario: Scenario) -> list[Check]:
         mark = "ok  " if check.passed else "MISS"
         print(f"  {mark} {check.what:<42} {check.required:<40} {check.measured}", flush=True)
     return checks
+
+
+def _until_a_fall(checks: Iterator[Check]) -> list[Check]:
+    """All checks of a scenario; after a fall, which is always the first, nothing more can be measured."""
+    done = []
+    for check in checks:
+        done.append(check)
+        if check.what == NO_FALL and not check.passed:
+            break
+    return done
+
+
+def _check_writable(path: Path | None) -> None:
+    if path is not None and not path.resolve().parent.is_dir():
+        raise ConfigurationError(f"--json {path}: no such folder")
+
+
+def _write(path: Path | None, table: dict[str, list[Check]]) -> None:
+    """The table so far."""
+    if path is None:
+        return
+    rows = {name: [dataclasses.asdict(check) for check in checks] for name, checks in table.items()}
+    path.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def _choose(names: list[str], brief: bool) -> list[Scenario]:

@@ -13,6 +13,7 @@ from follower_humanoid.core.samples import SIDES, Array, Side
 from follower_humanoid.graph.record import Run, Series
 from follower_humanoid.robot.model import GRAVITY, RobotModel
 
+FORCE_FLOOR = 50.0  # no ZMP below this vertical force [N]
 CARRYING = 20.0  # a foot with more than this carries [N]
 CLEARANCE = 0.003  # sole points higher than this are in the air [m]
 
@@ -49,9 +50,23 @@ def zmp_margins(run: Run, motion: Motion) -> Array:
 
 
 def ground_zmp(run: Run, motion: Motion) -> Array:
-    """ZMP in world from the recorded `zmp` topic at the ticks of the motion, shape (T, 2) [m]."""
-    ticks = run["joint_states"].ticks[: len(motion.times)]
-    return at_ticks(run["zmp"], "xyz", ticks)[:, :2]
+    """ZMP in world from foot wrenches and sole poses alone, shape (T, 2) [m]; NaN below 50 N."""
+    n = len(motion.times)
+    force, moment = np.zeros((n, 3)), np.zeros((n, 3))
+    for side in SIDES:
+        f, m = foot_in_world(run, motion, side)
+        force += f
+        moment += m + np.cross(motion.sole[side], f)
+    vertical = np.where(force[:, 2] > FORCE_FLOOR, force[:, 2], np.nan)
+    return np.column_stack((-moment[:, 1] / vertical, moment[:, 0] / vertical))
+
+
+def foot_in_world(run: Run, motion: Motion, side: Side) -> tuple[Array, Array]:
+    """Ground on foot in axes of world, about the sole origin, shape (T, 3) each [N], [N·m]."""
+    foot, turned = run[f"{side.value}_foot/wrench"], motion.sole_rotation[side]
+    n = len(motion.times)
+    force = np.einsum("tij,tj->ti", turned, foot.force[:n])
+    return force, np.einsum("tij,tj->ti", turned, foot.torque[:n])
 
 
 def at_ticks(series: Series, name: str, ticks: NDArray[np.int64]) -> Array:
@@ -63,26 +78,32 @@ def at_ticks(series: Series, name: str, ticks: NDArray[np.int64]) -> Array:
     return values
 
 
-def zmp_error(run: Run, reference: str, delay: int) -> tuple[float, float]:
+def zmp_error(run: Run, motion: Motion, reference: str, delay: int) -> tuple[float, float]:
     """RMS of reference − measured ZMP along and across the heading [m].
 
     Args:
         run: The run.
+        motion: Its motion, every tick.
         reference: Topic of the wanted ZMP.
         delay: Ticks until the wanted ZMP is acted upon.
     """
-    wanted = run[reference]
-    measured = at_ticks(run["zmp"], "xyz", wanted.ticks + delay)
-    quat = at_ticks(run["odom"], "quat_xyzw", wanted.ticks + delay)
-    yaw = np.arctan2(
-        2 * (quat[:, 3] * quat[:, 2] + quat[:, 0] * quat[:, 1]), 1 - 2 * (quat[:, 1] ** 2 + quat[:, 2] ** 2)
-    )
-    error = wanted.fields["xyz"][:, :2] - measured[:, :2]
-    valid = np.isfinite(error).all(axis=1) & np.isfinite(yaw)
-    c, s = np.cos(yaw[valid]), np.sin(yaw[valid])
+    ticks = run["joint_states"].ticks[: len(motion.times)]
+    wanted = at_ticks(run[reference], "xyz", ticks - delay)[:, :2]
+    error = wanted - ground_zmp(run, motion)
+    valid = np.isfinite(error).all(axis=1)
+    c, s = np.cos(motion.pelvis_yaw[valid]), np.sin(motion.pelvis_yaw[valid])
     along = c * error[valid, 0] + s * error[valid, 1]
     across = -s * error[valid, 0] + c * error[valid, 1]
     return rms(along), rms(across)
+
+
+def first_load_shift(run: Run, shift: float = 50.0) -> float:
+    """When the feet's loads first differ by `shift` [N] more than at the start [s]; inf if never."""
+    left, right = (run[f"{side.value}_foot/wrench"].force[:, 2] for side in SIDES)
+    n = min(len(left), len(right))
+    difference = left[:n] - right[:n]
+    moved = np.flatnonzero(np.abs(difference - difference[0]) > shift)
+    return float(run["left_foot/wrench"].times[moved[0]]) if len(moved) else float("inf")
 
 
 def peak_voltage(run: Run) -> float:
@@ -127,12 +148,9 @@ def newton_residual(run: Run, motion: Motion, robot: RobotModel, window: float =
     force, moment = np.zeros((n, 3)), np.zeros((n, 3))
     force[:, 2] = -robot.mass * GRAVITY
     for side in SIDES:
-        foot, turned = run[f"{side.value}_foot/wrench"], motion.sole_rotation[side]
-        f = np.einsum("tij,tj->ti", turned, foot.force[:n])
+        f, m = foot_in_world(run, motion, side)
         force += f
-        moment += np.einsum("tij,tj->ti", turned, foot.torque[:n]) + np.cross(
-            motion.sole[side] - motion.com, f
-        )
+        moment += m + np.cross(motion.sole[side] - motion.com, f)
     places = {f"{side.value}_hand": motion.gripper[side] for side in SIDES}
     places["base"] = run["odom"].position[:n]
     for name, place in places.items():

@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 
 ConfigT = TypeVar("ConfigT")
+LARGEST_INTEGER = 2**63 - 1  # of a ROS parameter
 
 
 def parameter(
@@ -88,6 +89,8 @@ class ParameterInfo:
     def _number(self, value: Any, kind: type, label: str) -> Any:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ConfigurationError(f"{label} = {value!r}: needs a number")
+        if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+            raise ConfigurationError(f"{label}: a whole number beyond ±{LARGEST_INTEGER}")
         if not math.isfinite(value):
             raise ConfigurationError(f"{label} = {value}: needs a finite number")
         if kind is int and value != int(value):

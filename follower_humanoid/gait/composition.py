@@ -29,6 +29,7 @@ from follower_humanoid.core.samples import (
 )
 from follower_humanoid.gait.capture import CaptureConfig, footprint_weight, landing_shift, shifted
 from follower_humanoid.gait.feet import FootPose, FootstepConfig, half_step_length
+from follower_humanoid.gait.limits import GaitLimits, limited
 from follower_humanoid.gait.pendulum import ReferencePendulum, momentum_shift, natural_frequency
 from follower_humanoid.gait.preview import planned_dcm
 from follower_humanoid.gait.sequence import Sequence, load_sequence
@@ -54,6 +55,7 @@ class CompositionConfig:
     zmp_reach_double: float = parameter(0.09, "the same, both feet carrying", "m", 0, 0.2)
     walker: WalkerConfig = field(default_factory=WalkerConfig)
     footsteps: FootstepConfig = field(default_factory=FootstepConfig)
+    limits: GaitLimits = field(default_factory=GaitLimits)
     capture: CaptureConfig = field(default_factory=CaptureConfig)
     body: BodyConfig = field(default_factory=BodyConfig)
 
@@ -99,6 +101,7 @@ class MotionComposition:
         self._motion: ReferenceMotion | None = None
         self._footsteps_sent: tuple[int, float | None] | None = None
         self._lengths: list[float] = []
+        self._cut_ticks = 0
 
     def step(self, inputs: CompositionInputs, time: float) -> CompositionOutputs:
         """One tick: walking parameters in, joint reference out."""
@@ -108,7 +111,9 @@ class MotionComposition:
             feet = {side: self._measured_foot(side, q) for side in SIDES}
             self._motion = ReferenceMotion(self._config, self._robot, self._sequence, feet, q)
         motion, walker = self._motion, self._motion.walker
-        gait = inputs.gait if inputs.gait is not None else STANDING
+        asked = inputs.gait if inputs.gait is not None else STANDING
+        gait = limited(asked, self._config.limits)
+        self._cut_ticks += int(gait != asked)
         loads = {Side.LEFT: float(inputs.left_foot.force[2]), Side.RIGHT: float(inputs.right_foot.force[2])}
         dcm = None if inputs.dcm is None else inputs.dcm.xyz[:2]
         landed = walker.step(gait, loads, motion.body.toes, motion.steady(dcm), self._period)
@@ -132,7 +137,12 @@ class MotionComposition:
         """Counted half-steps and their measured lengths."""
         lengths = ", ".join(f"{length:.3f}" for length in self._lengths)
         heading = self._motion.walker.heading() if self._motion is not None else 0.0
-        return {"half_steps": len(self._lengths), "lengths [m]": lengths, "heading [rad]": heading}
+        return {
+            "half_steps": len(self._lengths),
+            "lengths [m]": lengths,
+            "heading [rad]": heading,
+            "gait_limited_ticks": self._cut_ticks,
+        }
 
     def _measured_foot(self, side: Side, q: Array) -> FootPose:
         pin.forwardKinematics(self._robot.pin_model, self._data, q)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -56,7 +56,7 @@ class FootstepConfig:
 
 
 def wrap_angle(angle: float) -> float:
-    """The angle in (−π, π]."""
+    """The angle in [−π, π]."""
     return math.remainder(angle, 2.0 * math.pi)
 
 
@@ -80,7 +80,11 @@ def landing_pose(stance: FootPose, gait: Gait, config: FootstepConfig) -> FootPo
     right_most = inward if side is Side.LEFT else config.turn_per_step
     yaw = stance.yaw + min(max(turn, -right_most), left_most)
     length = config.half_step_length * gait.step_length if gait.walk_speed > 0.0 else 0.0
-    travel = gait.walk_dir - gait.heading
+    # A turn may need several steps. One that only follows its own heading goes where its foot points;
+    # otherwise the direction of travel is kept in world.
+    travel = wrap_angle(gait.walk_dir - gait.heading)
+    if abs(travel) > 1e-9:
+        travel = gait.walk_dir - yaw
     forward, sideways = length * math.cos(travel), length * math.sin(travel)
     width = config.stance_width + config.turn_spread * abs(wrap_angle(yaw - stance.yaw))
     lateral = side.sign * width + (sideways if sideways * side.sign > 0.0 else 0.0)
@@ -107,4 +111,4 @@ def mean_yaw(left: FootPose, right: FootPose) -> float:
 def beside(stance: FootPose, config: FootstepConfig) -> FootPose:
     """The landing pose of a closing step: next to the stance foot."""
     stand = Gait(walk_speed=0.0, walk_dir=0.0, step_length=1.0, step_height=1.0, heading=stance.yaw)
-    return replace(landing_pose(stance, stand, config))
+    return landing_pose(stance, stand, config)

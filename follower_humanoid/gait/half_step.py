@@ -124,6 +124,8 @@ class HalfStep:
         for primitive in self.phase.primitives:
             if not primitive.active(self.progress):
                 continue
+            if primitive.finished(context, self.progress):
+                continue
             owned.add(primitive.channel)
             remaining = (primitive.end - self.progress) * phase_time
             channel = zmp if primitive.channel == "zmp" else self.swing.channels()[primitive.channel]

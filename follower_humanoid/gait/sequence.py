@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from follower_humanoid.core.yaml_file import read_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.gait.primitives import PRIMITIVES, Primitive
 from follower_humanoid.resources import share_path
@@ -117,16 +116,11 @@ def load_sequence(path: str = "") -> Sequence:
         ConfigurationError: The file, a phase or a primitive is unusable.
     """
     file = Path(path) if path else share_path("config/sequences/half_step.yaml")
+    document = read_yaml(file)
     try:
-        document = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigurationError(f"sequence {file} cannot be read: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        reason = " ".join(str(error).split())
-        raise ConfigurationError(f"sequence {file} is not YAML: {reason}") from None
-    if not isinstance(document, dict) or not isinstance(document.get("phases"), list):
-        raise ConfigurationError(f"sequence {file}: needs 'name' and a list 'phases'")
-    try:
+        if not isinstance(document, dict) or not isinstance(document.get("phases"), list):
+            raise ConfigurationError("needs 'name' and a list 'phases'")
+        _only_known(document, ("name", "phases", "brisk_time"), "the sequence")
         phases = tuple(_phase(entry, number) for number, entry in enumerate(document["phases"], start=1))
         brisk = document.get("brisk_time", 0.0)
         if isinstance(brisk, bool) or not isinstance(brisk, int | float) or not 0.0 <= brisk < math.inf:
@@ -136,10 +130,17 @@ def load_sequence(path: str = "") -> Sequence:
         raise ConfigurationError(f"sequence {file}: {error}") from None
 
 
+def _only_known(entry: dict[Any, Any], names: tuple[str, ...], where: str) -> None:
+    for name in entry:
+        if name not in names:
+            raise UnknownNameError(f"key in {where}", str(name), names)
+
+
 def _phase(entry: Any, number: int) -> Phase:
     if not isinstance(entry, dict) or not isinstance(entry.get("primitives"), list):
         raise ConfigurationError(f"phase {number}: needs name, support, share and a list 'primitives'")
     name = str(entry.get("name", number))
+    _only_known(entry, ("name", "support", "share", "primitives"), f"phase '{name}'")
     support = entry.get("support")
     if support not in SUPPORTS:
         raise ConfigurationError(f"phase '{name}': support = {support!r}: valid: {', '.join(SUPPORTS)}")

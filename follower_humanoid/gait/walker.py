@@ -281,7 +281,6 @@ class Walker:
         return StepContext(
             stance=stance, landing=landing, gait=gait, swing_height=self._config.swing_height,
             swing_load=loads.get(landing.side, 0.0),
-            swing_z=float(half.swing.height.position[0]) if half is not None else 0.0,
             touchdown_load=self._config.touchdown_load,
         )  # fmt: skip
 

@@ -24,7 +24,6 @@ class StepContext:
         gait: The walking parameters of this tick.
         swing_height: Nominal height of the swing foot [m].
         swing_load: Normal force measured under the swing foot [N].
-        swing_z: Height of the swing sole now [m].
         touchdown_load: Normal force that counts as contact [N].
     """
 
@@ -33,7 +32,6 @@ class StepContext:
     gait: Gait
     swing_height: float
     swing_load: float = 0.0
-    swing_z: float = 0.0
     touchdown_load: float = 20.0
 
 
@@ -55,9 +53,9 @@ class Primitive:
         raise NotImplementedError
 
     def finished(self, context: StepContext, progress: float) -> bool:
-        """Whether the primitive has reached its end; by default when its window is over."""
-        del context
-        return progress >= self.end
+        """Whether the work is done before the window is over; the channel then rests."""
+        del context, progress
+        return False
 
     def active(self, progress: float) -> bool:
         """Whether the window is open at this progress of the phase."""

@@ -24,7 +24,9 @@ class Lower(Primitive):
     depth: float = 0.0
 
     def target(self, context: StepContext) -> Array:
-        """Height of the swing sole in world, shape (1,) [m]; where it is once the ground carries it."""
-        if context.swing_load > context.touchdown_load:
-            return np.array([context.swing_z])
+        """Height of the swing sole in world, shape (1,) [m]."""
         return np.array([context.landing.z - self.depth])
+
+    def finished(self, context: StepContext, progress: float) -> bool:
+        """Whether the ground carries the foot."""
+        return progress > self.start and context.swing_load > context.touchdown_load
