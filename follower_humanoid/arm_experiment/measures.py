@@ -13,7 +13,7 @@ from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.record import Run
 from follower_humanoid.robot.model import RobotModel
 
-_TOUCHING = 0.01  # contact force from which on a hand touches the board [N]
+_TOUCHING = 0.0  # contact force above which a hand touches the board [N]
 _FILTERED = 0.05  # the sensed force needs that long to forget the contact [s]
 
 Mask = NDArray[np.bool_]
@@ -205,7 +205,7 @@ def _push(trace: ArmTrace, begin: int, end: int) -> PushNumbers:
     )  # fmt: skip
 
 
-def torque_step(torque: Array, tick: int, around: int = 3) -> float:
+def torque_step(torque: Array, tick: int, around: int = 2) -> float:
     """Largest change of any joint's torque from tick to tick near one, torque of shape (T, n) [N·m]."""
     part = torque[max(0, tick - around) : tick + around + 1]
     return float(np.abs(np.diff(part, axis=0)).max())

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.record import Run
+from follower_humanoid.pictures.arm import TARGET, arm_sticks_figure, elbow_figure, hand_force_figure
 from follower_humanoid.pictures.ground import ground_figure
 from follower_humanoid.pictures.page import write_page
 from follower_humanoid.pictures.signals import feet_figure, gait_figure, voltage_figure
@@ -54,6 +55,13 @@ PICTURES = (
     Picture("steps", "Half-steps", table_figure, FEET),
 )
 
+# Of an arm experiment: the trunk is fixed, nothing walks.
+ARM_PICTURES = (
+    Picture("arm_sticks", "Stick diagram of the arm", arm_sticks_figure, (TARGET,)),
+    Picture("hand_force", "Force on the hand", hand_force_figure, (TARGET, "left_hand/wrench")),
+    Picture("elbow", "Elbow", elbow_figure, (TARGET,)),
+)
+
 
 @dataclass(frozen=True)
 class Report:
@@ -82,15 +90,17 @@ def make_report(runs: Sequence[tuple[str, Run]], out: Path) -> Report:
     """
     compared = views(runs)
     notes = [f"{label}: {note}" for label, run in runs for note in run.notes]
+    walks = not all(TARGET in view.run for view in compared)
+    pictures = PICTURES if walks else ARM_PICTURES
     try:
         out.mkdir(parents=True, exist_ok=True)
         with rc_context(RC), PdfPages(out / "report.pdf") as pages:
-            saved = {picture: _save(picture, compared, out, pages, notes) for picture in PICTURES}
+            saved = {picture: _save(picture, compared, out, pages, notes) for picture in pictures}
         files = [out / "report.html", out / "report.pdf", *(file for file in saved.values() if file)]
         # The page has the table as text.
         shown = [(p.title, file) for p, file in saved.items() if file and p.draw is not table_figure]
         write_page(out / "report.html", compared, shown, notes)
-        if all(name in view.run for view in compared for name in FEET):
+        if walks and all(name in view.run for view in compared for name in FEET):
             write_csv(out / "steps.csv", compared)
             files.append(out / "steps.csv")
     except OSError as error:
