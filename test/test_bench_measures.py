@@ -13,6 +13,8 @@ from gait_bench import robot, vertical
 from follower_humanoid.bench.kinematics import Motion
 from follower_humanoid.bench.measures import (
     at_ticks,
+    first_load_shift,
+    ground_zmp,
     moving_mean,
     newton_residual,
     peak_voltage,
@@ -98,6 +100,18 @@ def test_values_at_ticks_are_taken_exactly_or_not_at_all() -> None:
     np.testing.assert_array_equal(found, [np.nan, 2.0, 3.0, np.nan, 6.0, np.nan])
 
 
+def pushed(force: float, forward: float, left: float) -> Wrench:
+    """A vertical force at a point of a level sole, told at the sole origin."""
+    return Wrench(np.array([0.0, 0.0, force]), np.array([left * force, -forward * force, 0.0]))
+
+
+def feet(ticks: int, x: float, y: float, share: float = 0.5) -> dict[str, list[Sample]]:
+    """Both feet loaded so that the ZMP lies at (x, y): each has its own there, moved by where it stands."""
+    weight, middle = 700.0, 0.09 * (2.0 * share - 1.0)
+    left, right = pushed(share * weight, x, y - middle), pushed((1.0 - share) * weight, x, y - middle)
+    return {"left_foot__wrench": [left] * ticks, "right_foot__wrench": [right] * ticks}
+
+
 @pytest.mark.parametrize(
     ("place", "margin"),
     [
@@ -111,40 +125,51 @@ def test_values_at_ticks_are_taken_exactly_or_not_at_all() -> None:
 def test_margin_is_positive_inside_the_feet_and_negative_outside(
     place: tuple[float, float], margin: float
 ) -> None:
-    feet = {"left_foot__wrench": [vertical(300)] * 2, "right_foot__wrench": [vertical(300)] * 2}
-    run = run_of(**still(2), **feet, zmp=[ground(*place)] * 2)
+    run = run_of(**still(2), **feet(2, *place))
+    np.testing.assert_allclose(ground_zmp(run, motion(2)), [place, place], atol=1e-12)
     np.testing.assert_allclose(zmp_margins(run, motion(2)), margin, atol=1e-9)
 
 
+def test_zmp_is_told_in_world_whatever_way_the_soles_point() -> None:
+    turned = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    posed = motion(1, sole_rotation=dict.fromkeys(SIDES, turned[None]))
+    run = run_of(**still(1), left_foot__wrench=[pushed(600.0, 0.05, 0.01)], right_foot__wrench=[NOTHING])
+    np.testing.assert_allclose(ground_zmp(run, posed)[0], [-0.01, 0.09 + 0.05], atol=1e-12)
+
+
 def test_only_loaded_feet_and_points_on_the_ground_count() -> None:
-    feet = {
-        "left_foot__wrench": [vertical(700), vertical(700), vertical(0)],
-        "right_foot__wrench": [vertical(10), vertical(30), vertical(0)],
-    }
-    run = run_of(**still(3), **feet, zmp=[ground(0.05, 0.0)] * 2)
-    margins = zmp_margins(run, motion(3))
-    assert margins[0] == pytest.approx(-0.04)  # left of the left foot's inner edge at 4 cm
-    assert margins[1] > 0.03
-    assert math.isnan(margins[2])
-    raised = motion(3)
+    # 2 % of the weight is too little to count as a foot that carries, 5 % is not.
+    light, heavy = (
+        zmp_margins(run_of(**still(1), **feet(1, 0.05, 0.03, share)), motion(1)) for share in (0.98, 0.95)
+    )
+    assert light[0] == pytest.approx(-0.01)  # the left foot's inner edge is at 4 cm
+    assert heavy[0] > 0.03
+    assert math.isnan(zmp_margins(run_of(**still(1), **unloaded(1)), motion(1))[0])
+    raised = motion(1)
     raised.contacts[:, [4, 5], 2] = 0.01  # left toes in the air
-    run = run_of(**still(3), **feet, zmp=[ground(0.15, 0.09)] * 3)
-    margins = zmp_margins(run, raised)
-    assert margins[0] == pytest.approx(-0.03)
+    alone = run_of(**still(1), left_foot__wrench=[pushed(700.0, 0.15, 0.0)], right_foot__wrench=[NOTHING])
+    assert zmp_margins(alone, raised)[0] == pytest.approx(-0.03)
 
 
 def test_zmp_error_is_told_along_and_across_the_heading_and_after_the_delay() -> None:
     ticks, yaw = 6, 0.5
-    base = Odometry(
-        np.zeros(3), np.array([0, 0, math.sin(yaw / 2), math.cos(yaw / 2)]), np.zeros(3), np.zeros(3)
-    )
     c, s = math.cos(yaw), math.sin(yaw)
-    wanted = [ground(0.1 * k, 0.0) for k in range(ticks)]
+    wanted = [ground(0.01 * k, 0.0) for k in range(ticks)]
     # Two ticks later the ZMP is 3 mm short along the heading and 4 mm to its right.
-    measured = [ground(0.1 * (k - 2) - 0.003 * c + 0.004 * s, -0.003 * s - 0.004 * c) for k in range(ticks)]
-    run = run_of(odom=[base] * ticks, zmp_reference=wanted, zmp=measured)
-    assert zmp_error(run, "zmp_reference", 2) == pytest.approx((0.003, 0.004))
-    assert zmp_error(run, "zmp_reference", 1)[0] > 0.05
+    places = [(0.01 * (k - 2) - 0.003 * c + 0.004 * s, -0.003 * s - 0.004 * c) for k in range(ticks)]
+    loads = [feet(1, *place) for place in places]
+    topics = {name: [load[name][0] for load in loads] for name in loads[0]}
+    run = run_of(**still(ticks), **topics, zmp_reference=wanted)
+    posed = motion(ticks, pelvis_yaw=np.full(ticks, yaw))
+    assert zmp_error(run, posed, "zmp_reference", 2) == pytest.approx((0.003, 0.004))
+    assert zmp_error(run, posed, "zmp_reference", 1)[0] > 0.005
+
+
+def test_the_first_shift_of_load_is_found() -> None:
+    topics = {"left_foot__wrench": [vertical(350.0)] * 3 + [vertical(390.0)] * 4,
+              "right_foot__wrench": [vertical(350.0)] * 3 + [vertical(310.0)] * 4}  # fmt: skip
+    assert first_load_shift(run_of(**topics)) == pytest.approx(3 * TICK)
+    assert first_load_shift(run_of(**topics), 100.0) == math.inf
 
 
 def test_peak_voltage_and_distance_to_the_stops() -> None:

@@ -152,12 +152,13 @@ def test_bend_lifts_over_the_higher_ground_by_step_height() -> None:
     np.testing.assert_allclose(Bend(height=1.2).target(CONTEXT), [0.05 + 1.2 * 1.5 * 0.04])
 
 
-def test_lower_goes_to_the_ground_and_stops_where_it_meets_it() -> None:
-    np.testing.assert_allclose(Lower(depth=0.01).target(CONTEXT), [0.05 - 0.01])
-    touching = replace(CONTEXT, swing_load=40.0, swing_z=0.063)
-    np.testing.assert_allclose(Lower(depth=0.01).target(touching), [0.063])
-    brushing = replace(CONTEXT, swing_load=20.0, swing_z=0.063)
-    np.testing.assert_allclose(Lower().target(brushing), [0.05])
+def test_lower_goes_to_the_ground_and_is_done_where_it_meets_it() -> None:
+    lower = Lower(start=0.5, depth=0.01)
+    np.testing.assert_allclose(lower.target(CONTEXT), [0.05 - 0.01])
+    touching, brushing = (replace(CONTEXT, swing_load=load) for load in (40.0, 20.0))
+    assert lower.finished(touching, 0.8)
+    assert not lower.finished(brushing, 0.8)
+    assert not lower.finished(touching, 0.4)  # the load before it has begun is another matter
 
 
 def test_stretch_reaches_the_landing_place_shifted_in_its_own_axes() -> None:
@@ -178,5 +179,5 @@ def test_window_activity_completion_and_end(word: str) -> None:
     assert activity == [False, False, True, True, True, False, False]
     completion = [primitive.completion(p) for p in (0.0, 0.2, 0.45, 0.7, 1.0)]
     np.testing.assert_allclose(completion, [0.0, 0.0, 0.5, 1.0, 1.0], atol=1e-12)
-    assert not primitive.finished(CONTEXT, 0.6)
-    assert primitive.finished(CONTEXT, 0.7)
+    # Without contact only the window ends a primitive.
+    assert not any(primitive.finished(CONTEXT, p) for p in (0.0, 0.5, 1.0))

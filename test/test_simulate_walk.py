@@ -70,7 +70,7 @@ def test_the_right_foot_lifts_off_and_swings_forward_while_the_left_one_carries(
 def test_zmp_stays_inside_and_near_what_is_commanded(run: Run, motion: Motion) -> None:
     margins = zmp_margins(run, motion)
     assert np.mean(margins >= 0.025) > 0.99
-    assert max(zmp_error(run, "zmp_command", 1)) < 0.012
+    assert max(zmp_error(run, motion, "zmp_command", 1)) < 0.012
 
 
 def test_newton_and_euler_hold_for_what_was_recorded(run: Run, motion: Motion) -> None:
