@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from follower_humanoid.bench.check import NO_FALL, Check, at_least, at_most
 from follower_humanoid.bench.kinematics import Motion, motion_of
 from follower_humanoid.bench.measures import (
     first_load_shift,
@@ -26,25 +27,6 @@ from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.resources import share_path
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.sensing.low_pass import LowPass
-
-NO_FALL = "no fall"
-
-
-@dataclass(frozen=True)
-class Check:
-    """One line of the table.
-
-    Attributes:
-        what: What was measured.
-        required: The bound, in words.
-        measured: The number, in words.
-        passed: Whether it holds.
-    """
-
-    what: str
-    required: str
-    measured: str
-    passed: bool
 
 
 @dataclass(frozen=True)
@@ -86,16 +68,6 @@ class Scenario:
     def programme(self) -> str:
         """Name or path for the leader."""
         return str(share_path(self.leader)) if "/" in self.leader else self.leader
-
-
-def at_most(what: str, value: float, bound: float, unit: str = "", scale: float = 1.0) -> Check:
-    """value ≤ bound, shown in `unit` after scaling."""
-    return Check(what, f"≤ {bound * scale:g} {unit}", f"{value * scale:.3g} {unit}", value <= bound)
-
-
-def at_least(what: str, value: float, bound: float, unit: str = "", scale: float = 1.0) -> Check:
-    """value ≥ bound, shown in `unit` after scaling."""
-    return Check(what, f"≥ {bound * scale:g} {unit}", f"{value * scale:.3g} {unit}", value >= bound)
 
 
 def upright(e: Evidence, duration: float) -> Check:

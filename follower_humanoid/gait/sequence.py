@@ -155,9 +155,9 @@ def _phase(entry: Any, number: int) -> Phase:
 def _primitive(entry: Any, phase: str) -> Primitive:
     if not isinstance(entry, dict) or "primitive" not in entry:
         raise ConfigurationError(f"phase '{phase}': a primitive needs a name, as in {{primitive: bend}}")
-    word = entry["primitive"]
+    word = str(entry["primitive"])
     if word not in PRIMITIVES:
-        raise UnknownNameError(f"primitive in phase '{phase}'", str(word), PRIMITIVES)
+        raise UnknownNameError(f"primitive in phase '{phase}'", word, PRIMITIVES)
     kind = PRIMITIVES[word]
     fields = [field.name for field in dataclasses.fields(kind)]
     values: dict[str, float] = {}
