@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 import importlib
+import math
 import re
 import time
 from collections.abc import Mapping, Sequence
@@ -14,10 +15,12 @@ import yaml
 
 from follower_humanoid.ros2_front.verbs import CommandError, UsageError
 
-_BOUNDED = re.compile(r"^(w?string)<\d+>$")
+_TEXT = re.compile(r"^w?string(?:<(\d+)>)?$")
 _SEQUENCE = re.compile(r"^sequence<(.+?)(?:, *(\d+))?>$")
 _ARRAY = re.compile(r"^(.+)\[(\d+)\]$")
+_INTEGER = re.compile(r"^(u?)int(8|16|32|64)$")
 _FLOATS = ("float", "double", "long double")
+_LARGEST_FLOAT = 3.4028235677973366e38  # beyond it rounding to single precision gives infinity
 _TRUNCATED = "..."
 
 
@@ -94,6 +97,8 @@ def _value(old: Any, kind: str, value: Any, path: str) -> Any:
         length = match.group(2)
         if length and _ARRAY.match(kind) and len(value) != int(length):
             raise UsageError(f"{path} has {len(value)} entries: needs {length}")
+        if length and len(value) > int(length):
+            raise UsageError(f"{path} has {len(value)} entries: at most {length}")
         return [_single(None, match.group(1), v, f"{path}[{i}]") for i, v in enumerate(value)]
     return _single(old, kind, value, path)
 
@@ -110,22 +115,36 @@ def _single(old: Any, kind: str, value: Any, path: str) -> Any:
             raise UsageError(f"{path} = {value!r}: needs a mapping, fields of {kind}")
         fill(inner, value, f"{path}.")
         return inner
-    bounded = _BOUNDED.match(kind)
-    if bounded or kind in ("string", "wstring"):
-        return value if isinstance(value, str) else str(value)
+    if text := _TEXT.match(kind):
+        written = value if isinstance(value, str) else str(value)
+        if text.group(1) and len(written) > int(text.group(1)):
+            raise UsageError(f"{path} = {value!r}: at most {text.group(1)} characters")
+        return written
     if kind == "boolean":
         if not isinstance(value, bool):
             raise UsageError(f"{path} = {value!r}: needs true or false")
         return value
-    if kind == "octet":
-        return bytes([int(value)])
+    return _number(kind, value, path)
+
+
+def _number(kind: str, value: Any, path: str) -> Any:
+    """Checked here: the setters of messages let through what does not fit, and sending it would crash."""
     if isinstance(value, bool):
         raise UsageError(f"{path} = {value!r}: needs a number")
     if kind in _FLOATS:
-        return float(value)
+        number = float(value)
+        if kind == "float" and math.isfinite(number) and abs(number) >= _LARGEST_FLOAT:
+            raise UsageError(f"{path} = {value!r}: too large for float32")
+        return number
     if isinstance(value, float) and value != int(value):
         raise UsageError(f"{path} = {value!r}: needs a whole number")
-    return int(value)
+    whole = int(value)
+    match = _INTEGER.match(kind)
+    unsigned, bits = (bool(match.group(1)), int(match.group(2))) if match else (True, 8)
+    low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    if not low <= whole <= high:
+        raise UsageError(f"{path} = {value!r}: valid: {low} to {high}")
+    return bytes([whole]) if kind == "octet" else whole
 
 
 def plain(value: Any, longest: int | None = None, arrays: bool = True, texts: bool = True) -> Any:

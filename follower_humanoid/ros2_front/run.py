@@ -35,22 +35,22 @@ def run(words: Sequence[str]) -> int:
     if len(rest) < 2:
         raise UsageError("ros2 run: needs a package and an executable; ros2 run --help says more")
     package, name, *arguments = rest
-    _become([*prefix, str(find(package, name)), *arguments])
+    _become([*prefix, *find(package, name), *arguments])
 
 
-def find(package: str, name: str) -> Path:
-    """Path of an executable.
+def find(package: str, name: str) -> list[str]:
+    """The start of the command line that runs an executable.
 
     Raises:
         CommandError: No such package or executable.
     """
     if package == resources.PACKAGE and name in EXECUTABLES:
-        return resources.executable_path(name)
+        return resources.node_command(name)  # with this interpreter, whatever the PATH says
     folders = [prefix / "lib" / package for prefix in _prefixes()]
     for folder in folders:
         path = folder / name
         if path.is_file() and os.access(path, os.X_OK):
-            return path
+            return [str(path)]
     known = sorted({path.name for folder in folders for path in _executables(folder)})
     if package == resources.PACKAGE:
         known = list(EXECUTABLES)
