@@ -57,12 +57,15 @@ class Holding:
         return commands(self.voltage(state), self._position, **wrenches)
 
 
-def commands(voltage: Array, position: Array | None = None, **wrenches: Wrench) -> Simulator.Inputs:
+def commands(
+    voltage: Array, position: Array | None = None, velocity: Array | None = None, **wrenches: Wrench
+) -> Simulator.Inputs:
     """Inputs from 45 voltages."""
     position = np.zeros(45) if position is None else position
+    velocity = np.zeros(45) if velocity is None else velocity
     groups = robot().groups
     legs, arms = (
-        Joints(position[group], np.zeros(len(group)), voltage[group]) for group in (groups.legs, groups.arms)
+        Joints(position[group], velocity[group], voltage[group]) for group in (groups.legs, groups.arms)
     )
     return Simulator.Inputs(legs=legs, arms=arms, **wrenches)
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from plant_bench import Holding, plant_from
 
 from follower_humanoid.core.samples import Wrench
@@ -60,4 +61,18 @@ def test_reset_repeats_the_motion():
         runs.append(np.array(track))
         simulator.reset()
     assert np.array_equal(runs[0], runs[1])
+    simulator.close()
+
+
+def test_a_reset_takes_one_tick_and_time_goes_on():
+    simulator = plant_from({})
+    for _ in range(3):
+        simulator.advance(simulator.Inputs())
+    simulator.reset()
+    assert (simulator.tick, simulator.time) == (4, 0.008)
+    q = simulator.plant.q.copy()
+    q[2] = 0.4
+    simulator.plant.bullet.place(q, np.zeros(51))
+    simulator.advance(simulator.Inputs())
+    assert simulator.fall.time == pytest.approx(0.010)
     simulator.close()

@@ -103,6 +103,20 @@ def test_a_command_that_is_no_number_is_no_command():
     simulator.close()
 
 
+def test_without_references_the_drives_hold_what_they_find():
+    simulator = plant_from({})
+    holding, unknown = Holding(simulator), np.full(45, np.nan)
+    for _ in range(50):
+        voltage = holding.voltage(simulator.observe())
+        simulator.advance(commands(voltage, unknown, unknown))
+    start = simulator.plant.q.copy()
+    for _ in range(200):
+        simulator.advance(simulator.Inputs())
+    assert simulator.missed_commands == 2 * 200
+    assert drift(simulator, start) < 1e-3
+    simulator.close()
+
+
 def test_reset_puts_it_back_and_time_goes_on():
     simulator = plant_from({})
     start = simulator.plant.q.copy()
@@ -111,8 +125,8 @@ def test_reset_puts_it_back_and_time_goes_on():
     assert drift(simulator, start) > 0.1
     simulator.reset()
     assert drift(simulator, start) < 1e-12
-    assert simulator.tick == 300
-    assert simulator.time == pytest.approx(0.6)
+    assert simulator.tick == 301  # the reset took one
+    assert simulator.time == pytest.approx(0.602)
     for _ in range(100):
         simulator.advance(simulator.Inputs())
     assert drift(simulator, start) < 1e-6

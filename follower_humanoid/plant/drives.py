@@ -1,4 +1,8 @@
-"""What the motor drives do with commands, and without them."""
+"""What the motor drives do with commands, and without them.
+
+A drive whose commands stop holds the references of the last one. A command may leave them out
+(nan): then it holds the position it finds when the hold begins.
+"""
 
 from __future__ import annotations
 
@@ -57,13 +61,15 @@ class Drives:
         self._reference = command.position
         # What holds the load once the motion has ended: the voltage less its back-EMF share.
         limited = np.clip(command.effort, -self._limit, self._limit)
-        self._load = limited - self._back_emf * command.velocity
+        velocity = np.where(np.isfinite(command.velocity), command.velocity, 0.0)
+        self._load = limited - self._back_emf * velocity
 
     def write(self, position: Array, velocity: Array, voltage: Array) -> None:
         """Writes this group's voltages of a physics step into `voltage`, shape (45,)."""
         if not self.holding:
             voltage[self.joints] = self._voltage
             return
+        self._reference = np.where(np.isfinite(self._reference), self._reference, position[self.joints])
         error = self._reference - position[self.joints]
         voltage[self.joints] = (
             self._load + self._config.stiffness * error - self._config.damping * velocity[self.joints]

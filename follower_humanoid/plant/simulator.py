@@ -149,9 +149,10 @@ class Simulator:
         self._outputs = self._read()
 
     def reset(self) -> None:
-        """Puts the robot back on its feet; tick and time go on."""
+        """Takes the place of a control tick: at the next one the robot is back on its feet."""
         self.plant.stand()
         self.fall = None
+        self._count_tick()
         self._rest()
 
     @property
@@ -199,12 +200,15 @@ class Simulator:
             plant.step(self._voltage, pulls)
             sensors.after_step(pulls)
         self._applied /= self._steps
-        self.tick += 1
-        self.time = self.tick * self._period
-        plant.time = self.time
+        self._count_tick()
         if self.fall is None:
             self.fall = self._falls.look(plant)
         self._outputs = self._read()
+
+    def _count_tick(self) -> None:
+        self.tick += 1
+        self.time = self.tick * self._period
+        self.plant.time = self.time
 
     def close(self) -> None:
         """Ends the physics server."""
