@@ -170,3 +170,50 @@ def test_after_a_restart_earlier_results_are_absent():
     values = lock.take()
     assert values["joint_states"] == "joint_states@3"
     assert values["balance/reference"] is None
+
+
+def walk(lock, steps, held="gait"):
+    """Steps of a node whose other inputs all come; what it got on the held topic."""
+    seen = []
+    for _ in range(steps):
+        for topic in lock.topics:
+            if topic != held:
+                feed(lock, topic, [lock.tick])
+        seen.append(lock.take()[held])
+    return seen
+
+
+def test_absence_of_what_is_held_makes_no_other_input_superfluous():
+    lock = LockStep(NODES["motion_composition"], without("gait_mapping"))
+    lock.put("gait", None, "walk")
+    walk(lock, 5)
+    assert not lock.put("gait", 0, None)
+    missing = lock.missing()
+    for entry in missing:
+        assert not lock.ready
+        assert lock.put(entry.topic, entry.tick, "state") == (entry is missing[-1])
+    assert lock.take()["gait"] == "walk"
+
+
+def test_what_is_held_becomes_too_old():
+    lock = LockStep(NODES["motion_composition"], without("gait_mapping"), hold=20)
+    lock.put("gait", None, "walk")
+    assert walk(lock, 30) == ["walk"] * 21 + [None] * 9
+    assert lock.stale == 9
+    lock.put("gait", None, "on")
+    assert walk(lock, 30) == ["on"] * 21 + [None] * 9
+
+
+def test_a_silent_stranger_is_given_up_and_soon_absent():
+    lock = LockStep(NODES["motion_composition"], without("gait_mapping"), hold=10)
+    feed(lock, "gait", [0])
+    assert walk(lock, 10) == [None] * 5 + ["gait@0"] * 5
+    lock.give_up()
+    assert walk(lock, 20) == ["gait@0"] * 11 + [None] * 9
+
+
+def test_held_motor_commands_become_missing_so_that_the_drives_hold():
+    topics = ["legs/command", "arms/command"]
+    lock = LockStep(NODES["simulator"], without("arm_controller"), topics, hold=3)
+    lock.put("arms/command", None, "volts")
+    assert walk(lock, 5, "arms/command") == ["volts"] * 4 + [None]

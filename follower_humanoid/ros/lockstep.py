@@ -6,7 +6,8 @@ An output that was not published at a tick is announced as absent and counts as 
 
 A topic whose own node was left out comes from a stranger. If the stranger keeps the grid of
 ticks it is waited for like any other; if not (a joystick, the command line), its newest message
-is held and nobody waits.
+is held and nobody waits. After `STALE` of simulated time without another one it is absent: nobody
+walks on by a word from long ago.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from dataclasses import dataclass, field
 from follower_humanoid.graph.wiring import PRODUCER, NodeWiring, used_tick
 
 CLOCK = "clock"
+STALE = 0.5  # simulated time for which a stranger's newest message is held [s]
 _FAR_AHEAD = 100  # ticks; no lock-stepped publisher runs that far ahead
 
 
@@ -32,15 +34,17 @@ class _Input:
     awaited: int | None = None
     samples: dict[int, object] = field(default_factory=dict)
     held: bool = False
+    held_since: int = 0
     newest: object = None
 
     @property
     def missing(self) -> bool:
         return self.awaited is not None and not self.held and self.awaited not in self.samples
 
-    def value(self) -> object:
+    def value(self, held_from: int) -> object:
+        """What a step uses; a held message only if it came at tick `held_from` or later."""
         if self.held:
-            return self.newest
+            return self.newest if self.held_since >= held_from else None
         return None if self.awaited is None else self.samples[self.awaited]
 
 
@@ -63,9 +67,16 @@ class LockStep:
         tick: The tick of the next step.
         late: Messages that came when their tick was over or already there; a node that steps at every
             tick has none.
+        stale: Inputs that were absent because what was held of a stranger had become too old.
     """
 
-    def __init__(self, node: NodeWiring, present: Collection[str], topics: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        node: NodeWiring,
+        present: Collection[str],
+        topics: Collection[str] = (),
+        hold: int = 250,
+    ) -> None:
         """Starts at tick 0.
 
         Args:
@@ -73,9 +84,12 @@ class LockStep:
             present: Nodes that run; what others would publish comes from strangers.
             topics: The inputs to wait for; all of the node's if empty. A node without inputs is
                 paced by the clock.
+            hold: Ticks for which a stranger's message is held, see `STALE`.
         """
         self.tick = 0
         self.late = 0
+        self.stale = 0
+        self._hold_for = hold
         self._period = node.period
         self._origin = 0
         names = dict.fromkeys(topics or node.inputs.values())
@@ -125,6 +139,8 @@ class LockStep:
         """
         entry = self._inputs[topic]
         on_grid = tick is not None and tick % entry.period == 0
+        if entry.held and sample is None:
+            return False  # nobody waits for it
         if entry.foreign and sample is not None:
             floor = 0 if entry.awaited is None else entry.awaited
             if entry.held or not on_grid or tick is None or not floor <= tick <= floor + _FAR_AHEAD:
@@ -143,7 +159,12 @@ class LockStep:
 
     def take(self) -> dict[str, object]:
         """The inputs of the step of `tick`; moves on to the next one."""
-        values = {topic: entry.value() for topic, entry in self._inputs.items()}
+        held_from = self.tick - self._hold_for
+        values = {topic: entry.value(held_from) for topic, entry in self._inputs.items()}
+        self.stale += sum(
+            entry.held and entry.newest is not None and values[topic] is None
+            for topic, entry in self._inputs.items()
+        )
         self.tick += self._period
         self._await()
         return values
@@ -167,7 +188,7 @@ class LockStep:
 
     def _hold(self, entry: _Input, sample: object) -> bool:
         was_missing = entry.missing
-        entry.held, entry.newest = True, sample
+        entry.held, entry.held_since, entry.newest = True, self.tick, sample
         entry.samples.clear()
         if was_missing:
             self._missing -= 1

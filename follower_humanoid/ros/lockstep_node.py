@@ -14,7 +14,7 @@ from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, NodeWirin
 from follower_humanoid.ros.barrier import RESET, Announcer, Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import NANOSECONDS, Codec, stamp_of
-from follower_humanoid.ros.lockstep import CLOCK, LockStep
+from follower_humanoid.ros.lockstep import CLOCK, STALE, LockStep
 from follower_humanoid.ros.managed_node import ManagedNode, Rate
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
@@ -54,7 +54,7 @@ class LockStepNode(ManagedNode):
         if adjustable:
             LiveConfig(self, self.config, self._reconfigure)
         self.component: Any = None
-        self.lock = LockStep(wiring, self.present, self.awaited_topics())
+        self.lock = self._make_lock()
         self.started = False
         self.reset_at: int | None = None
         self._codecs: dict[str, Codec] = {}
@@ -71,6 +71,10 @@ class LockStepNode(ManagedNode):
         self._barrier_timer = self.create_timer(_BARRIER_POLL, self._look_at_barrier, clock=self._wall)
         self._barrier_timer.cancel()
         self.create_timer(_PATIENCE, self._watch, clock=self._wall)
+
+    def _make_lock(self) -> LockStep:
+        hold = round(STALE / self.graph.tick)
+        return LockStep(self.wiring, self.present, self.awaited_topics(), hold)
 
     # What subclasses say.
 
@@ -139,8 +143,12 @@ class LockStepNode(ManagedNode):
             self.destroy_publisher(publisher)
         self._own_subscriptions.clear()
         self._own_publishers.clear()
-        self.lock = LockStep(self.wiring, self.present, self.awaited_topics())
+        self.lock = self._make_lock()
         self.started = False
+        self.reset_at = None
+        if hasattr(self.component, "close"):  # a physics engine does not end by itself
+            self.component.close()
+        self.component = None
 
     def make_publisher(self, message_type: type, topic: str) -> Any:
         """A lock-step publisher that goes with the configuration."""
@@ -265,12 +273,13 @@ class LockStepNode(ManagedNode):
             for missing in given_up:
                 self.logger.warning(f"no {missing}: its newest message is held from now on")
             self.run_ready_steps()
-        elif self.graph.watchdog and waited > self.graph.watchdog and self._steps > 1:
+        elif self.graph.watchdog and waited > self.graph.watchdog:
             self.stalled(waited, "; ".join(str(missing) for missing in self.lock.missing()))
 
     def stalled(self, waited: float, missing: str) -> None:
         """Nothing has come for longer than the watchdog allows."""
-        self.tell_once(f"waiting for {missing}")
+        if self._steps > 0:  # until then the simulator may wait for somebody's own node to be started
+            self.tell_once(f"waiting for {missing}")
 
     @property
     def steps(self) -> int:
@@ -296,6 +305,7 @@ class LockStepNode(ManagedNode):
             "step_time [s]": busy / steps if steps else 0.0,
             "missed_ticks": self._given_up,
             "late_messages": self.lock.late,
+            "stale_inputs": self.lock.stale,
             "rejected_messages": self.rejected,
         }
         if self.running and not self.started:
