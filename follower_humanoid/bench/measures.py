@@ -97,8 +97,11 @@ def zmp_error(run: Run, motion: Motion, reference: str, delay: int) -> tuple[flo
     return rms(along), rms(across)
 
 
-def first_load_shift(run: Run, shift: float = 50.0) -> float:
-    """When the feet's loads first differ by `shift` [N] more than at the start [s]; inf if never."""
+def first_load_shift(run: Run, shift: float = 100.0) -> float:
+    """When the feet's loads first differ by `shift` [N] more than at the start [s]; inf if never.
+
+    Balance answers the pull itself at once with half of that; a step begins with more.
+    """
     left, right = (run[f"{side.value}_foot/wrench"].force[:, 2] for side in SIDES)
     n = min(len(left), len(right))
     difference = left[:n] - right[:n]

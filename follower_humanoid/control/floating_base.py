@@ -8,10 +8,8 @@ acceleration that goes with the joint accelerations; the actuated rows then give
 
 from __future__ import annotations
 
-import numpy as np
-import scipy.linalg
-
 from follower_humanoid.core.samples import Array
+from follower_humanoid.robot.linear import solve_positive
 from follower_humanoid.robot.model import BASE_DOF
 
 
@@ -33,6 +31,6 @@ def motor_torque(
     b = slice(0, BASE_DOF)
     a = slice(BASE_DOF, None)
     right = external[b] - bias[b] - mass_matrix[b, a] @ acceleration
-    base = scipy.linalg.solve(mass_matrix[b, b], right, assume_a="pos", check_finite=False)
+    base = solve_positive(mass_matrix[b, b], right)
     torque = mass_matrix[a, b] @ base + mass_matrix[a, a] @ acceleration + bias[a] - external[a]
-    return torque + rotor_inertia * acceleration, np.asarray(base)
+    return torque + rotor_inertia * acceleration, base

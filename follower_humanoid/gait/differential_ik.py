@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-import scipy.linalg
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, Side
+from follower_humanoid.robot.linear import solve_positive
 from follower_humanoid.robot.model import BASE_DOF, RobotModel
 
 LEG_IK_JOINTS = 6  # hip yaw to ankle roll; the toe is a channel of its own
@@ -146,7 +146,7 @@ class DifferentialIk:
         rates[15:18] = body.pelvis_angular_velocity + config.pelvis_gain * turn
         normal = jacobian @ jacobian.T
         normal[np.diag_indices(18)] += config.damping**2
-        v[self._unknowns] = jacobian.T @ scipy.linalg.solve(normal, rates, assume_a="pos", check_finite=False)
+        v[self._unknowns] = jacobian.T @ solve_positive(normal, rates)
         self.v = v
         self.q = pin.integrate(self._model, self.q, v * dt)
         self.update()
