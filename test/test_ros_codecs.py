@@ -14,6 +14,7 @@ from follower_humanoid.core.topics import TOPICS
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import NANOSECONDS, Codec, clock_bytes, stamp_of
+from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.validation import MessageError
 
 # A sum of squares of the largest numbers overflows; it only decides whether to look more closely.
@@ -38,8 +39,7 @@ def sample_of(topic, rng):
         n = {"all": 45, "legs": len(ROBOT.groups.legs), "arms": len(ROBOT.groups.arms)}[topic.joints]
         return samples.Joints(*(numbers(rng, n) for _ in range(3)))
     if kind is samples.Wrench:
-        people = not topic.everybody and "applied" not in topic.name
-        return samples.Wrench(numbers(rng, 3), numbers(rng, 3), "torso" if people else "")
+        return samples.Wrench(numbers(rng, 3), numbers(rng, 3), "torso" if topic.name in PEOPLE else "")
     if kind is samples.Odometry:
         return samples.Odometry(numbers(rng, 3), numbers(rng, 4), numbers(rng, 3), numbers(rng, 3))
     if kind is samples.Inertial:

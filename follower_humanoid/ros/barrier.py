@@ -7,6 +7,7 @@ graph that is a deadlock. Each node checks its own publishers and then announces
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Collection
 from typing import Any
 
@@ -21,6 +22,7 @@ from follower_humanoid.ros.qos import LATCHED
 
 READY = "graph/ready"
 RESET = "graph/reset"
+_STRANGERS_TIME = 1.0  # s
 
 
 def expected_readers(topic: str, present: Collection[str]) -> frozenset[str]:
@@ -42,6 +44,7 @@ class Barrier:
         self._present = present
         self._publishers: list[tuple[Any, frozenset[str]]] = []
         self._strangers: list[tuple[Any, str]] = []
+        self._strangers_here_since: float | None = None
 
     def watch(self, publisher: Any, readers: Collection[str]) -> None:
         """Adds a publisher and the nodes that must be able to hear it."""
@@ -61,6 +64,13 @@ class Barrier:
         for subscription, name in self._strangers:
             if subscription.get_publisher_count() == 0:
                 missing.append(f"a publisher of {subscription.topic_name} ({name} was left out)")
+                self._strangers_here_since = None
+        if self._strangers and not missing:
+            # What a stranger listens to is not known, so it gets time to be found.
+            now = time.monotonic()
+            self._strangers_here_since = self._strangers_here_since or now
+            if now < self._strangers_here_since + _STRANGERS_TIME:
+                missing.append("other people's nodes to find what they listen to")
         return missing
 
     def _absent_readers(self, publisher: Any, readers: frozenset[str]) -> list[str]:

@@ -2,7 +2,8 @@
 
 Its shared memory holds 512 messages per process by default: 16 ticks of the whole graph. A
 recorder that the system lets wait for longer would lose messages, since the repair of a reliable
-topic comes seconds later. Here there is room for some hundred ticks.
+topic comes with a writer's next heartbeat, by default after 3 s. Here there is room for some hundred
+ticks, and a lost message holds the lock-step up for a moment only.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 _VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 _SEGMENT = 4 * 2**20  # bytes per process, taken as they are used
 _MESSAGES = 16384
+_HEARTBEAT = 200_000_000  # ns
 
 _PROFILE = f"""<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles>
@@ -29,6 +31,9 @@ _PROFILE = f"""<?xml version="1.0" encoding="UTF-8"?>
     </userTransports>
     <useBuiltinTransports>false</useBuiltinTransports>
   </rtps></participant>
+  <data_writer profile_name="follower_humanoid_writer" is_default_profile="true"><times>
+    <heartbeatPeriod><sec>0</sec><nanosec>{_HEARTBEAT}</nanosec></heartbeatPeriod>
+  </times></data_writer>
 </profiles></dds>
 """
 
