@@ -21,20 +21,20 @@ from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.bringup_options import VIEWER
-from follower_humanoid.ros.crew import Crew, Member, how_it_ended
+from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
 from follower_humanoid.ros.graph_config import RECORDER
-from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, FAILED
+from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.run_plan import RunPlan
-from follower_humanoid.ros.simulator_node import FELL
 from follower_humanoid.ros.spin import StopSignal
 from follower_humanoid.ros.status import StatusLine, summary_text
 from follower_humanoid.ros.transport import roomy_transport
 
 COMPOSED = "composed"
 _LONGEST_START = 60.0
-_LONGEST_STOP = 2.6
+_LONGEST_STOP = 20.0  # s, for a slow disk; at a signal: _HASTE
+_HASTE = 2.6
 _SILENT = 3.0  # without diagnostics for that long a node counts as stuck [s]
 
 
@@ -86,18 +86,20 @@ class BringupRun:
             plan.parameters[RECORDER]["about"] = str(about)
         parameters.write_text(plan.parameter_file(director.namespace), encoding="utf-8")
         self._start_processes([*arguments, "--params-file", str(parameters)])
-        ended = self._lead_to_activity()
-        while ended is None and not self._stop.asked:
+        end = self._lead_to_activity()
+        while end is None:
             director.spin(0.05)
             self._line.show(director.values)
-            ended = self._crew.ended() or self._finished()
-        return self._end(ended)
+            end = self._end_in_sight()
+        return self._end(end)
 
-    def _finished(self) -> Member | None:
-        """The simulator's process once it has said that the run is over; it waits to be dismissed."""
-        if not self._director.values.get(SIMULATOR, {}).get("ended"):
-            return None
-        return next((m for m in self._crew.members if SIMULATOR in m.nodes), None)
+    def _end_in_sight(self) -> End | None:
+        if self._director.values.get(SIMULATOR, {}).get(ENDED):
+            return End(Outcome.ENDED)  # its process waits to be dismissed
+        if self._stop.asked:
+            return End(Outcome.ASKED)
+        lost = self._crew.ended()
+        return None if lost is None else End(Outcome.LOST, lost)
 
     def _start_processes(self, arguments: list[str]) -> None:
         plan = self._plan
@@ -113,8 +115,8 @@ class BringupRun:
         if plan.options.view:
             self._crew.start(VIEWER, [*node_command(VIEWER), *arguments], ())
 
-    def _lead_to_activity(self) -> Member | None:
-        """Configures and activates everyone, the simulator last; returns who ended too early.
+    def _lead_to_activity(self) -> End | None:
+        """Configures and activates everyone, the simulator last; returns an end that came too early.
 
         The recorder is configured after the others, so that no bag is begun for a graph that
         cannot be made.
@@ -133,51 +135,41 @@ class BringupRun:
             self._director.begin(nodes, transition)
             while unanswered := self._director.unanswered():
                 self._director.spin(0.02)
-                if self._stop.asked:
-                    return None
-                if (ended := self._crew.ended()) is not None:
-                    return ended
+                if (end := self._end_in_sight()) is not None:
+                    return end
                 if time.monotonic() > deadline:
                     self._say(f"not ready after {_LONGEST_START:.0f} s: {', '.join(unanswered)}")
-                    return next(m for m in self._crew.members if set(unanswered) & set(m.nodes))
+                    return End(Outcome.LATE)
         return None
 
-    def _end(self, ended: Member | None) -> int:
+    def _end(self, end: End) -> int:
         """Ends everyone, sums up, and says what the run came to."""
-        asked = self._stop.asked and ended is None
         stuck = list(self._silent_nodes())
-        self._crew.stop(time.monotonic() + _LONGEST_STOP, self._director.spin, last=RECORDER)
+        begin = time.monotonic()
+        self._crew.stop(lambda: self._latest_stop(begin), self._director.spin, last=RECORDER)
         self._director.spin(0.05)
         self._line.end()
-        status = self._status(ended, asked, stuck)
         values = dict(self._director.values)
+        status, words = judge(end, values.get(SIMULATOR, {}), stuck, self._recorder_status())
+        for text in words:
+            self._say(text)
         if self._plan.options.bag:
             values[RECORDER] = {"bag": str(self._plan.options.bag)}
-        text = summary_text(values)
-        if text:
-            print(f"the run came to this:\n{text}", flush=True)
+        summary = summary_text(values)
+        if summary:
+            print(f"the run came to this:\n{summary}", flush=True)
         return status
 
-    def _status(self, ended: Member | None, asked: bool, stuck: list[str]) -> int:
-        if ended is None or asked:
-            return 0
-        status = ended.process.returncode
-        reason = self._director.values.get(SIMULATOR, {}).get("ended", "")
-        if SIMULATOR in ended.nodes and status in (0, FELL):
-            if status == FELL:
-                self._say(reason or "the robot fell")
-            return int(status)
-        if status == BAD_CONFIGURATION:
-            return BAD_CONFIGURATION  # the node has said why
-        if SIMULATOR in ended.nodes and status == FAILED and reason:
-            self._say(reason)
-            if stuck:
-                self._say(f"lost: {', '.join(stuck)} (no sign of life)")
-            return FAILED
-        how = how_it_ended(status) if status is not None else "does not answer"
-        nodes = "" if ended.nodes == (ended.name,) else f" with {', '.join(ended.nodes)}"
-        self._say(f"lost: {ended.name}{nodes}, {how}")
-        return FAILED
+    def _latest_stop(self, begin: float) -> float:
+        """When patience ends: soon if a signal asked, at the end of a run once the bag is written."""
+        return self._stop.asked_at + _HASTE if self._stop.asked else begin + _LONGEST_STOP
+
+    def _recorder_status(self) -> int | None:
+        """How the recorder ended; None where no bag was begun."""
+        bag = self._plan.options.bag
+        if bag is None or not bag.exists():
+            return None
+        return next((m.process.returncode for m in self._crew.members if m.name == RECORDER), None)
 
     def _silent_nodes(self) -> Iterator[str]:
         now = time.monotonic()

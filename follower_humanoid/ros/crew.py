@@ -63,17 +63,18 @@ class Crew:
         """The first member whose process is over."""
         return next((m for m in self.members if m.process.poll() is not None), None)
 
-    def stop(self, deadline: float, idle: Callable[[float], None], last: str = "") -> None:
+    def stop(self, deadline: Callable[[], float], idle: Callable[[float], None], last: str = "") -> None:
         """Ends everyone: politely, then for good.
 
         Args:
-            deadline: On the monotonic clock [s].
+            deadline: On the monotonic clock [s]; asked again and again, since a signal may shorten it.
             idle: Passes the given time [s] while waiting.
             last: Ends after all others, so that it hears their last words.
         """
+        begin = time.monotonic()
         others = [m for m in self.members if m.name != last]
         self._ask(others)
-        self._wait(others, deadline - 0.5 * (deadline - time.monotonic()), idle)
+        self._wait(others, lambda: 0.5 * (begin + deadline()), idle)
         self._ask([m for m in self.members if m.name == last])
         self._wait(self.members, deadline, idle)
         self.kill()
@@ -94,8 +95,10 @@ class Crew:
                 member.process.send_signal(signal.SIGCONT)
 
     @staticmethod
-    def _wait(members: Sequence[Member], deadline: float, idle: Callable[[float], None]) -> None:
-        while time.monotonic() < deadline and any(m.process.poll() is None for m in members):
+    def _wait(
+        members: Sequence[Member], deadline: Callable[[], float], idle: Callable[[float], None]
+    ) -> None:
+        while time.monotonic() < deadline() and any(m.process.poll() is None for m in members):
             idle(0.02)
 
 

@@ -77,8 +77,8 @@ class ManagedNode(LifecycleNode):
         return 0
 
     def quit(self, status: int, reason: str) -> None:
-        """Ends the process soon; the first reason counts."""
-        if self.exit_status is None:
+        """Ends the process soon; the first reason counts, but a failure takes the place of a good end."""
+        if self.exit_status is None or (self.exit_status == 0 and status != 0):
             self.exit_status, self.exit_reason = status, reason
             if status == FAILED:
                 self.logger.error(reason)

@@ -19,6 +19,7 @@ from follower_humanoid.ros.graph_config import LEADER, RunConfig
 from follower_humanoid.ros.lockstep import CLOCK
 from follower_humanoid.ros.lockstep_node import LockStepNode
 from follower_humanoid.ros.managed_node import FAILED
+from follower_humanoid.ros.outcome import ENDED, EXIT_STATUS
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.people import PeopleWrench
 from follower_humanoid.ros.qos import PEOPLE
@@ -194,7 +195,7 @@ class SimulatorNode(LockStepNode):
         if elapsed:
             values["mean_real_time_factor"] = self.stamp / NANOSECONDS / elapsed
         if self.exit_status is not None:
-            values["ended"] = self.exit_reason
+            values[ENDED], values[EXIT_STATUS] = self.exit_reason, self.exit_status
         fall = self.component.fall if self.component is not None else None
         values["peak_voltage [V]"] = self._peak_voltage
         values["saturated_ticks"] = self._saturated

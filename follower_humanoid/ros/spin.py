@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import gc
+import math
 import os
 import signal
 import sys
@@ -37,12 +38,14 @@ class StopSignal:
 
     Attributes:
         asked: True from then on.
+        asked_at: When it first did so, on the monotonic clock [s].
         over: Completes then, or when `end` is called.
     """
 
     def __init__(self) -> None:
         """Takes over both signals."""
         self.asked = False
+        self.asked_at = math.inf
         self.over: Any = Future()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._ask)
@@ -54,6 +57,7 @@ class StopSignal:
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
+        self.asked_at = min(self.asked_at, time.monotonic())
         self.end()
 
 
@@ -100,11 +104,14 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
         pass
     finally:
         executor.shutdown()
-    if ended is None or ended.exit_status is None:
+    # What goes wrong at the very end, such as closing a bag, counts too.
+    failed = next((node for node in nodes if node.exit_status), None)
+    last = ended if ended is not None and ended.exit_status else failed
+    if last is None or last.exit_status is None:
         return 0
-    if ended.exit_status == BAD_CONFIGURATION:
-        print(ended.exit_reason, file=sys.stderr)
-    return ended.exit_status
+    if last.exit_status == BAD_CONFIGURATION:
+        print(last.exit_reason, file=sys.stderr)
+    return last.exit_status
 
 
 def _wind_down(executor: Any, nodes: list[ManagedNode]) -> None:

@@ -1,0 +1,77 @@
+"""What a run came to: the exit status of bringup, and the words for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from follower_humanoid.graph.wiring import SIMULATOR
+from follower_humanoid.ros.crew import Member, how_it_ended
+from follower_humanoid.ros.graph_config import RECORDER
+from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, FAILED
+
+ENDED, EXIT_STATUS = "ended", "exit_status"
+"""Under these names the simulator tells in its last diagnostics that the run is over, and how."""
+
+
+class Outcome(Enum):
+    """Why bringup no longer watches."""
+
+    ASKED = auto()  # a signal
+    ENDED = auto()  # the simulator has said so
+    LOST = auto()  # a process went that should not
+    LATE = auto()  # the graph was not ready in time
+
+
+@dataclass(frozen=True)
+class End:
+    """The end of watching.
+
+    Attributes:
+        outcome: Why.
+        member: The process that went, where one did.
+    """
+
+    outcome: Outcome
+    member: Member | None = None
+
+
+def judge(
+    end: End,
+    simulator: Mapping[str, str],
+    stuck: Sequence[str] = (),
+    recorder: int | None = None,
+) -> tuple[int, list[str]]:
+    """Exit status and what to say, one line each. A process's status alone is no proof of a good end:
+    whoever is sent a signal by somebody else ends with 0 too.
+
+    Args:
+        end: Why bringup stopped watching.
+        simulator: What the simulator's last diagnostics said.
+        stuck: Nodes that gave no sign of life.
+        recorder: How the recorder's process ended; None without a bag.
+    """
+    status, said = _judged(end, simulator, stuck)
+    if recorder and status != BAD_CONFIGURATION and not (end.member and RECORDER in end.member.nodes):
+        return FAILED, [*said, f"the bag is incomplete: recorder {how_it_ended(recorder)}"]
+    return status, said
+
+
+def _judged(end: End, simulator: Mapping[str, str], stuck: Sequence[str]) -> tuple[int, list[str]]:
+    if end.outcome is Outcome.ASKED:
+        return 0, []
+    if end.outcome is Outcome.LATE:
+        return FAILED, []  # whose lateness it was has been told
+    word, member = simulator.get(ENDED, ""), end.member
+    if word and (end.outcome is Outcome.ENDED or (member and SIMULATOR in member.nodes)):
+        status = int(simulator.get(EXIT_STATUS, FAILED))
+        lost = [f"lost: {', '.join(stuck)} (no sign of life)"] if stuck and status == FAILED else []
+        return status, [word, *lost] if status else []
+    if member is None:
+        return FAILED, []
+    ended = member.process.returncode
+    if ended == BAD_CONFIGURATION:
+        return BAD_CONFIGURATION, []  # the node has said why
+    nodes = "" if member.nodes in ((), (member.name,)) else f" with {', '.join(member.nodes)}"
+    return FAILED, [f"lost: {member.name}{nodes}, {how_it_ended(ended)}"]

@@ -1,0 +1,106 @@
+"""The exit status of bringup: what counts is how the run ended, not how a process did."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from follower_humanoid.ros.crew import Crew, Member
+from follower_humanoid.ros.outcome import End, Outcome, judge
+
+
+def member(name, status, nodes=None):
+    return Member(name, (name,) if nodes is None else nodes, SimpleNamespace(returncode=status))
+
+
+def said(status, words="the run ended at 2.000 s"):
+    return {"ended": words, "exit_status": str(status)}
+
+
+STALLED = ["no message", "lost: legs (no sign of life)"]
+REGULAR = End(Outcome.ENDED)
+CASES = {
+    "regular": (REGULAR, said(0), (), 0, 0, []),
+    "regular without a bag": (REGULAR, said(0), (), None, 0, []),
+    "fall": (REGULAR, said(3, "fell"), (), 0, 3, ["fell"]),
+    "stall": (REGULAR, said(1, "no message"), ("legs",), 0, 1, STALLED),
+    "asked": (End(Outcome.ASKED), {}, (), 0, 0, []),
+    "late": (End(Outcome.LATE), {}, (), None, 1, []),
+    "node killed": (
+        End(Outcome.LOST, member("leader", -9)), {}, (), 0, 1, ["lost: leader, killed by SIGKILL"],
+    ),
+    "node that ended politely": (
+        End(Outcome.LOST, member("leader", 0)), {}, (), 0, 1, ["lost: leader, ended with status 0"],
+    ),
+    "simulator stopped by somebody": (
+        End(Outcome.LOST, member("simulator", 0)), {}, (), 0, 1, ["lost: simulator, ended with status 0"],
+    ),
+    "composed process": (
+        End(Outcome.LOST, member("composed", -11, ("leader", "simulator"))), {}, (), 0, 1,
+        ["lost: composed with leader, simulator, killed by SIGSEGV"],
+    ),
+    "viewer": (
+        End(Outcome.LOST, member("viewer", 1, ())), {}, (), 0, 1, ["lost: viewer, ended with status 1"],
+    ),
+    "last word heard late": (End(Outcome.LOST, member("simulator", 3)), said(3, "fell"), (), 0, 3, ["fell"]),
+    "bad configuration": (End(Outcome.LOST, member("leader", 2)), {}, (), 1, 2, []),
+    "recorder failed": (REGULAR, said(0), (), 1, 1, ["the bag is incomplete: recorder ended with status 1"]),
+    "recorder killed after a fall": (
+        REGULAR, said(3, "fell"), (), -9, 1, ["fell", "the bag is incomplete: recorder killed by SIGKILL"],
+    ),
+    "recorder killed at a signal": (
+        End(Outcome.ASKED), {}, (), -9, 1, ["the bag is incomplete: recorder killed by SIGKILL"],
+    ),
+    "recorder lost": (
+        End(Outcome.LOST, member("recorder", 1)), {}, (), 1, 1, ["lost: recorder, ended with status 1"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_status_and_words(case):
+    end, simulator, stuck, recorder, status, words = CASES[case]
+    assert judge(end, simulator, stuck, recorder) == (status, words)
+
+
+def test_a_signal_shortens_a_stop_that_has_begun():
+    crew = Crew({})
+    stubborn = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); time.sleep(60)"
+    crew.start("stubborn", [sys.executable, "-c", stubborn], ())
+    time.sleep(1.0)
+    begin = time.monotonic()
+    crew.stop(lambda: begin + (0.6 if time.monotonic() > begin + 0.3 else 60.0), time.sleep)
+    assert time.monotonic() - begin < 10.0
+    assert crew.members[0].process.returncode == -9
+
+
+FAILS_AT_THE_END = """
+import sys
+from follower_humanoid.ros.managed_node import ManagedNode
+from follower_humanoid.ros.spin import run
+
+class Writer(ManagedNode):
+    def start(self):
+        if "over" in sys.argv:
+            self.quit(0, "over")
+    def finish(self):
+        self.quit(1, "disk full")
+
+sys.exit(run([lambda: Writer("recorder")], []))
+"""
+
+
+@pytest.mark.parametrize("word", ["over", "signal"])
+def test_a_failure_while_closing_is_a_failure(word):
+    command = [sys.executable, "-c", FAILS_AT_THE_END, word]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    if word == "signal":
+        time.sleep(5.0)
+        process.terminate()
+    _, errors = process.communicate(timeout=60.0)
+    assert process.returncode == 1, errors
+    assert "disk full" in errors
