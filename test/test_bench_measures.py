@@ -168,7 +168,7 @@ def test_zmp_error_is_told_along_and_across_the_heading_and_after_the_delay() ->
 def test_the_first_shift_of_load_is_found() -> None:
     topics = {"left_foot__wrench": [vertical(350.0)] * 3 + [vertical(390.0)] * 4,
               "right_foot__wrench": [vertical(350.0)] * 3 + [vertical(310.0)] * 4}  # fmt: skip
-    assert first_load_shift(run_of(**topics)) == pytest.approx(3 * TICK)
+    assert first_load_shift(run_of(**topics), 50.0) == pytest.approx(3 * TICK)
     assert first_load_shift(run_of(**topics), 100.0) == math.inf
 
 
