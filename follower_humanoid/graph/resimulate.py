@@ -120,7 +120,7 @@ def repeatable(run: Run) -> Recorded:
     names = {name.strip() for name in listed}
     nodes = frozenset(names & nodes_with(names).keys())
     resets = _resets(run)
-    notes = [*_version_notes(run), *_gap_notes(run), *_foreign_notes(run, nodes)]
+    notes = [*_version_notes(run), *_gap_notes(run), *_foreign_notes(run, nodes), *_frame_notes(run)]
     if resets:
         at = ", ".join(f"{tick * run.tick:.3f} s" for tick in sorted(resets))
         notes.append(f"the robot was put back on its feet at {at}")
@@ -190,6 +190,14 @@ def _foreign_notes(run: Run, nodes: frozenset[str]) -> Iterator[str]:
         topics = [topic for topic in NODES[name].outputs.values() if topic in run]
         listed = ", ".join(topics) or "nothing"
         yield f"{name} was not of this package: what it published is taken from the bag ({listed})"
+
+
+def _frame_notes(run: Run) -> Iterator[str]:
+    for topic in ("leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"):
+        frames = set(run[topic].texts["frame"]) - {"", "world"} if topic in run else set()
+        if frames:
+            listed = ", ".join(sorted(frames))
+            yield f"{topic} came in axes of {listed}; what is repeated is its mean over each tick in world"
 
 
 class Repetition(Chain):

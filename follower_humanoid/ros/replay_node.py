@@ -29,8 +29,8 @@ from follower_humanoid.replay.player import Player, PlayOptions
 from follower_humanoid.ros.keyboard import on_space
 
 _LAST_ACKNOWLEDGEMENT = Duration(seconds=1)
-_MATCHING = 2.0  # longest wall time in which subscribers are found before the first message [s]
-_QUIET = 0.4
+_MATCHING = 3.0  # wall time in which subscribers are found before the first message, at the longest [s]
+_QUIET = 0.5  # once there are some, the others are there too after that long
 _STEP = 0.02
 
 
@@ -155,6 +155,6 @@ def _wait_for_subscribers(publishers: dict[str, Any], pace: Pace) -> None:
         matched = sum(publisher.get_subscription_count() for publisher in publishers.values())
         if matched != seen:
             seen, changed = matched, now
-        if now - begin > 2 * _QUIET and now - changed > _QUIET:
+        if matched and now - changed > _QUIET:
             return
         time.sleep(_STEP)

@@ -64,6 +64,8 @@ def graph_node(args: argparse.Namespace | None = None, name: str = "") -> Iterat
     except rclpy.exceptions.InvalidNodeNameException as error:
         raise UsageError(str(error)) from None
     finally:
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, signal.SIG_IGN)  # a second one changes nothing any more
         try_shutdown()
 
 

@@ -1,0 +1,181 @@
+"""The executable `replay` in the graph: right bytes at the right time, pauses, plain words."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rclpy
+from bag_messages import START, TICK_NS, write_bag
+from nav_msgs.msg import Odometry
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+
+from follower_humanoid.replay.events import events
+from follower_humanoid.replay.index import index_bag
+
+DOMAIN = random.randint(1, 100)
+COMMAND = [sys.executable, "-m", "follower_humanoid.nodes.replay"]
+ENVIRONMENT = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
+
+
+class Listener:
+    """Takes what arrives from the queues, with the times at which it came."""
+
+    def __init__(self) -> None:
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context, domain_id=DOMAIN)
+        self.node = Node("listener", context=self._context)
+        self._subscriptions: dict[str, Any] = {
+            name: self.node.create_subscription(kind, name, lambda _: None, QoSProfile(depth=5000), raw=True)
+            for name, kind in (("/odom", Odometry), ("/clock", Clock))
+        }
+        self.heard: dict[str, list[tuple[int, bytes]]] = {name: [] for name in self._subscriptions}
+
+    def listen(self) -> None:
+        for name, subscription in self._subscriptions.items():
+            with subscription.handle:
+                while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
+                    self.heard[name].append((taken[1]["received_timestamp"], bytes(taken[0])))
+
+    def listen_for(self, seconds: float) -> int:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.listen()
+            time.sleep(0.01)
+        return len(self.heard["/odom"])
+
+    def wait_for_first(self) -> None:
+        deadline = time.monotonic() + 30.0
+        while not self.listen_for(0.05):
+            assert time.monotonic() < deadline, "nothing arrives"
+
+    def ask(self, service: str) -> str:
+        client = self.node.create_client(Trigger, f"/replay/{service}")
+        executor = EventsExecutor(context=self._context)
+        executor.add_node(self.node)
+        assert client.wait_for_service(10.0)
+        future = client.call_async(Trigger.Request())
+        deadline = time.monotonic() + 10.0
+        while not future.done() and time.monotonic() < deadline:
+            executor.spin_until_future_complete(future, timeout_sec=0.1)
+        executor.remove_node(self.node)
+        executor.shutdown()
+        self.node.destroy_client(client)
+        return str(future.result().message)
+
+    def close(self) -> None:
+        self.node.destroy_node()
+        rclpy.shutdown(context=self._context)
+
+
+@pytest.fixture
+def listener() -> Iterator[Listener]:
+    made = Listener()
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_bag(tmp_path_factory.mktemp("replay") / "bag", 2000)
+
+
+def start(*words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen([*COMMAND, *words], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
+
+
+def end(process: subprocess.Popen[str], number: signal.Signals) -> None:
+    process.send_signal(number)
+    try:
+        _, errors = process.communicate(timeout=10.0)
+    finally:
+        process.kill()
+    assert process.returncode == 0, errors
+    assert "Traceback" not in errors
+
+
+@pytest.mark.parametrize("rate", [1.0, 2.0])
+def test_every_byte_comes_at_its_time(listener, bag, rate):
+    recorded = list(events(index_bag(bag), frozenset({"/odom"})))
+    replay = start(str(bag), "--rate", str(rate), "--topics", "odom")
+    listener.wait_for_first()
+    while replay.poll() is None:
+        listener.listen_for(0.05)
+    listener.listen_for(0.2)
+    assert replay.returncode == 0
+    heard = listener.heard["/odom"]
+    assert [data for _, data in heard] == [event.data for event in recorded]
+    due = np.array([(event.time - START) / rate for event in recorded])
+    late = (np.array([received for received, _ in heard]) - due) / 1e6
+    assert np.median(np.abs(late - np.median(late))) <= 1.0
+    assert np.median(late) - np.min(late) <= 1.0
+
+
+def test_a_clock_goes_with_it(listener, bag):
+    replay = start(str(bag), "--start", "3.5")
+    listener.wait_for_first()
+    replay.wait(30.0)
+    listener.listen_for(0.2)
+    assert len(listener.heard["/odom"]) == pytest.approx(250, abs=2)
+    assert len(listener.heard["/clock"]) == pytest.approx(50, abs=2)
+    seconds = [int.from_bytes(data[4:8], "little") for _, data in listener.heard["/clock"]]
+    assert seconds[0] == (START + 1750 * TICK_NS) // 10**9
+
+
+def test_services_pause_and_resume(listener, bag):
+    replay = start(str(bag), "--paused", "--loop")
+    assert listener.ask("is_paused") == "paused"
+    assert listener.listen_for(1.0) == 0
+    assert listener.ask("resume") == "playing"
+    listener.wait_for_first()
+    assert listener.ask("toggle_paused") == "paused"
+    count = listener.listen_for(0.3)
+    assert listener.listen_for(0.5) == count
+    assert listener.ask("resume") == "playing"
+    assert listener.listen_for(1.0) > count + 100
+    end(replay, signal.SIGINT)
+
+
+def test_names_are_remapped_and_sigterm_ends_it(listener, bag):
+    replay = start(str(bag), "--loop", "--topics", "com", "--ros-args", "-r", "/com:=/elsewhere")
+    deadline = time.monotonic() + 20.0
+    while not listener.node.count_publishers("/elsewhere") and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert listener.node.count_publishers("/elsewhere") == 1
+    assert listener.node.count_publishers("/com") == 0
+    end(replay, signal.SIGTERM)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["/no/such/bag"], "bag /no/such/bag does not exist"),
+        (["BAG", "--rate", "fast"], "--rate: 'fast': needs a number"),
+        (["BAG", "--rate", "-1"], "--rate"),
+        (["BAG", "--start", "1000"], "ends after"),
+        (["BAG", "--topics", "/nothing"], "no topic in bag"),
+        (["BAG", "--wrong"], "no such argument: --wrong"),
+        (["BAG", "--simulate"], "carries no parameters.yaml"),
+        ([], "required: BAG"),
+    ],
+)
+def test_what_cannot_be_played_is_told_in_one_line(bag, words, told):
+    replay = start(*(str(bag) if word == "BAG" else word for word in words))
+    _, errors = replay.communicate(timeout=30.0)
+    assert replay.returncode == 2
+    assert told in errors
+    assert errors.strip().splitlines()[-1].find("Traceback") < 0
+    assert "Traceback" not in errors
