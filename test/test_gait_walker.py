@@ -11,7 +11,7 @@ from gait_bench import AHEAD, STAND, GaitPlan, Tick, WalkerBench, always, mirror
 
 from follower_humanoid.core.samples import SIDES, Array, Gait, Side
 from follower_humanoid.gait.feet import half_step_length
-from follower_humanoid.gait.walker import Plan, WalkerConfig
+from follower_humanoid.gait.walker import WalkerConfig
 
 WAYS = {
     "nominal": AHEAD,
@@ -240,51 +240,6 @@ def test_in_single_support_the_zmp_stays_on_the_stance_sole_and_never_jumps() ->
     assert np.linalg.norm(np.diff(zmp, axis=0), axis=1).max() < 0.6 * bench.dt
 
 
-def zmp_along(start: Array, plan: Plan, time: float) -> Array:
-    """The planned ZMP so much later."""
-    point = start
-    for target, duration in plan.zmp:
-        goal = point if target is None else target
-        if time < duration:
-            return np.asarray(point + (goal - point) * time / duration)
-        time -= duration
-        point = goal
-    return point
-
-
-@pytest.mark.parametrize("stop", [2.1, 4.0, 99.0])
-def test_the_zmp_that_is_planned_is_the_one_that_comes(stop: float) -> None:
-    bench = WalkerBench()
-    plans = []
-    for _ in range(round(7.5 / bench.dt)):
-        gait = WAYS["turning left"] if bench.time < stop else STAND
-        bench.tick(gait)
-        if len(bench.history) % 65 == 0 and not bench.time < stop < bench.time + 3.5:
-            plans.append((len(bench.history), bench.walker.plan_ahead(gait)))
-    assert len(plans) >= 4
-    zmp = [tick.zmp for tick in bench.history]
-    for number, plan in plans:
-        for ahead in (40, 150, 330):
-            if number + ahead < len(zmp):
-                wanted = zmp_along(zmp[number - 1], plan, ahead * bench.dt)
-                np.testing.assert_allclose(zmp[number + ahead - 1], wanted, atol=8e-3)
-
-
-def test_planned_footsteps_and_times_are_those_taken() -> None:
-    bench = WalkerBench()
-    gait = WAYS["turning left"]
-    bench.run(4.0, always(gait))
-    plan, now, taken = bench.walker.plan_ahead(gait), bench.time, len(bench.walker.taken)
-    touchdown = sum(duration for _, duration in plan.zmp[: plan.landing])
-    bench.run(7.5, always(gait))
-    coming = bench.walker.taken[taken:]
-    for planned, (foot, _) in zip(plan.footsteps, coming, strict=False):
-        assert planned.side is foot.side
-        np.testing.assert_allclose([planned.x, planned.y, planned.yaw], [foot.x, foot.y, foot.yaw], atol=1e-9)
-    landed = next(tick.time for tick in bench.landings() if tick.time > now)
-    assert landed - now == pytest.approx(touchdown, abs=3 * bench.dt)
-
-
 def test_a_foot_waits_on_the_ground_while_the_dcm_is_off_but_not_for_ever() -> None:
     def lift_off(steady_from: float) -> float:
         bench = WalkerBench()
@@ -302,9 +257,3 @@ def test_a_foot_waits_on_the_ground_while_the_dcm_is_off_but_not_for_ever() -> N
     longest = lift_off(99.0)
     assert waited < longest < usual + 2.0
     assert lift_off(98.0) == longest
-
-
-def test_with_a_standing_plan_there_are_no_steps_to_come() -> None:
-    plan = WalkerBench().walker.plan_ahead(STAND)
-    assert plan.footsteps == ()
-    assert plan.lifting is None

@@ -143,6 +143,7 @@ FAULTS = {
         phases(single="{primitive: jump}"),
         "primitive in phase 'swing' 'jump'; valid: bend",
     ),
+    "primitive a list": (phases(single="{primitive: [bend]}"), "phase 'swing'"),
     "unknown key": ("nam: x\n" + phases(), "key in the sequence 'nam'; valid: brisk_time, name, phases"),
     "unknown key of a phase": (phases().replace("share: 0.6", "share: 0.6, shar: 1"), "phase 'swing' 'shar'"),
     "key twice": (phases().replace("share: 0.6", "share: 0.6, share: 0.6"), "'share' is given twice"),
