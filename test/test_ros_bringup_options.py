@@ -12,6 +12,7 @@ from graph_bench import run
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.nodes.bringup import main
+from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.bringup_options import _parser, parse, split_ros_args
 from follower_humanoid.ros.launch_options import SWITCHES, WORDS, bringup_command
 from follower_humanoid.ros.run_plan import make_plan
@@ -72,6 +73,34 @@ def test_parameter_files_are_laid_over_one_another(tmp_path):
     assert "body.mass_scale: 1.1" in chosen.about["parameters.yaml"]
 
 
+def test_an_option_wins_over_a_file_and_a_file_over_defaults(tmp_path):
+    own = tmp_path / "own.yaml"
+    own.write_text(
+        "leader: {ros__parameters: {programme: fig5}}\n"
+        "simulator: {ros__parameters: {duration: 4.0, realtime: true}}\n"
+        "recorder: {ros__parameters: {bag: mine}}\n"
+    )
+    chosen = plan("--params", str(own))
+    assert chosen.parameters["leader"]["programme"] == "fig5"
+    assert chosen.about["programme.yaml"] == plan("--leader", "fig5").about["programme.yaml"]
+    simulator = chosen.parameters["simulator"]
+    assert (simulator["duration"], simulator["settle"], simulator["realtime"]) == (4.0, 0.0, True)
+    assert chosen.options.bag == tmp_path / "mine"
+    assert chosen.parameters["recorder"]["bag"] == str(tmp_path / "mine")
+    words = ("--leader", "fig4", "--duration", "2", "--bag", "other")
+    chosen = plan("--params", str(own), *words)
+    assert chosen.parameters["leader"]["programme"] == "fig4"
+    assert chosen.parameters["simulator"]["duration"] == 2.0
+    assert chosen.parameters["recorder"]["bag"] == str(tmp_path / "other")
+    assert plan("--ros-args", "-p", "duration:=7").parameters["simulator"]["duration"] == 7.0
+
+
+@pytest.mark.parametrize("text", ["5e-1", "0.5", ".5", "+5.0e-1"])
+def test_numbers_as_ros_writes_them(text):
+    chosen = plan("--ros-args", "-p", f"zmp_balance:dcm.proportional:={text}")
+    assert chosen.parameters["zmp_balance"]["dcm.proportional"] == 0.5
+
+
 def test_ros_arguments_reach_every_node_and_parameters_are_checked_among_them():
     words = ("-p", "simulator:body.mass_scale:=1.2", "-r", "imu:=pelvis", "--log-level", "warn")
     chosen = plan("--ros-args", *words)
@@ -95,6 +124,15 @@ def test_parameter_file_names_nodes_in_their_namespace():
 def write(text):
     Path("file.yaml").write_text(text)
     return "file.yaml"
+
+
+def write_urdf_without(*frames):
+    """A robot whose frames of these names have another one."""
+    text = RobotModel().urdf
+    for name in frames:
+        text = text.replace(f'"{name}"', f'"former_{name}"')
+    Path("robot.urdf").write_text(text)
+    return write("/**: {ros__parameters: {urdf: robot.urdf}}")
 
 
 BAD = {
@@ -131,6 +169,23 @@ BAD = {
         lambda: ["--params", write("/**: {ros__parameters: {urdf: file.yaml}}")],
         "URDF file.yaml",
         "malformed",
+    ),
+    "urdf frames": (
+        lambda: ["--params", write_urdf_without("l_sole", "gaze")],
+        "robot.urdf has no frame gaze, l_sole",
+        "base_link",
+    ),
+    "sequence missing": (lambda: ["--ros-args", "-p", "sequence:=gone.yaml"], "gone.yaml", "no such file"),
+    "sequence": (
+        lambda: ["--ros-args", "-p", f"sequence:={write('name: mine')}"], "sequence file.yaml", "phases",
+    ),
+    "ros integer": (lambda: ["--ros-args", "-p", f"sensors.seed:={'9' * 30}"], "sensors.seed", "±92233"),
+    "ros float": (lambda: ["--ros-args", "-p", f"duration:={'9' * 400}"], "duration", "±92233"),
+    "ros digits": (lambda: ["--ros-args", "-p", f"duration:={'9' * 5000}"], "duration", "digits"),
+    "bag in a file": (
+        lambda: ["--params", write("recorder: {ros__parameters: {bag: file.yaml}}")],
+        "recorder: bag",
+        "exists already",
     ),
     "ros parameter": (lambda: ["--ros-args", "-p", "gravity:=1"], "gravity", "tick"),
     "ros parameter form": (lambda: ["--ros-args", "-p", "tick"], "tick", "NAME:=VALUE"),

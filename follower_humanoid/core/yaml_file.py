@@ -96,3 +96,19 @@ def read_yaml(path: Path | str) -> Any:
         raise ConfigurationError(f"{path}: nested too deeply") from error
     except ValueError as error:  # an integer of thousands of digits
         raise ConfigurationError(f"{path}: not valid YAML: {error}") from error
+
+
+def read_value(text: str, where: str) -> Any:
+    """One value from a command line, by the same rules; what is no YAML is a text.
+
+    Raises:
+        ConfigurationError: It is nested too deeply or a number of thousands of digits.
+    """
+    try:
+        return yaml.load(text, _PlainLoader)
+    except (_Fault, yaml.YAMLError):
+        return text
+    except RecursionError as error:
+        raise ConfigurationError(f"{where}: nested too deeply") from error
+    except ValueError as error:
+        raise ConfigurationError(f"{where}: {error}") from error

@@ -17,6 +17,7 @@ from follower_humanoid.executables import EXECUTABLES
 from follower_humanoid.graph.wiring import NODES
 
 NONE = "none"
+DEFAULT_LEADER = "fig4"
 VIEWER = "viewer"
 _NAMESPACE = re.compile(r"(/?[A-Za-z_][A-Za-z0-9_]*)(/[A-Za-z_][A-Za-z0-9_]*)*/?")
 
@@ -36,6 +37,7 @@ class Options:
         params: Parameter files, later ones win.
         view: The browser viewer beside it.
         ros_args: What followed `--ros-args`, for every node.
+        given: Which of `leader` and `bag` were said; a default gives way to the user's parameters.
     """
 
     leader: str
@@ -48,6 +50,7 @@ class Options:
     params: tuple[Path, ...]
     view: bool
     ros_args: tuple[str, ...]
+    given: frozenset[str] = frozenset()
 
 
 class _Parser(argparse.ArgumentParser):
@@ -79,7 +82,7 @@ def _parser() -> _Parser:
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add("--leader", default="fig4", metavar="NAME|FILE|none", help="force programme (default: fig4)")
+    add("--leader", metavar="NAME|FILE|none", help="force programme (default: fig4)")
     add("--duration", type=_seconds, metavar="S", help="simulated seconds (default: until it stands again)")
     add("--bag", metavar="DIR|none", help="folder of the recorded run (default: bags/<date-time>)")
     add("--composed", action="store_true", help="all nodes in one process")
@@ -110,9 +113,9 @@ def parse(args: Sequence[str]) -> Options:
             "parts joined by /"
         )
     return Options(
-        leader=given.leader,
+        leader=DEFAULT_LEADER if given.leader is None else given.leader,
         duration=given.duration,
-        bag=_bag_folder(given.bag),
+        bag=bag_folder(given.bag),
         composed=given.composed,
         without=tuple(dict.fromkeys(given.without)),
         realtime=given.realtime,
@@ -120,6 +123,7 @@ def parse(args: Sequence[str]) -> Options:
         params=tuple(Path(path) for path in given.params),
         view=given.view,
         ros_args=tuple(ros_args),
+        given=frozenset(name for name in ("leader", "bag") if getattr(given, name) is not None),
     )
 
 
@@ -138,16 +142,21 @@ def split_ros_args(args: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
-def _bag_folder(given: str | None) -> Path | None:
+def bag_folder(given: str | None, where: str = "--bag") -> Path | None:
+    """The folder of the bag, checked; None for `none`.
+
+    Raises:
+        ConfigurationError: It exists already or cannot be made.
+    """
     if given == NONE:
         return None
     if given == "":
-        raise ConfigurationError("--bag '': needs a folder or 'none'")
+        raise ConfigurationError(f"{where} '': needs a folder or 'none'")
     folder = Path(given) if given else Path("bags", datetime.now().strftime("%Y-%m-%d-%H-%M-%S"))
     folder = folder.expanduser().absolute()
     if folder.exists() or folder.is_symlink():
-        raise ConfigurationError(f"--bag {folder}: exists already and is not overwritten; name a new folder")
+        raise ConfigurationError(f"{where} {folder}: exists already, is not overwritten; name a new folder")
     above = next(parent for parent in folder.parents if parent.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise ConfigurationError(f"--bag {folder}: {above} is not a folder that can be written to")
+        raise ConfigurationError(f"{where} {folder}: {above} is not a folder that can be written to")
     return folder
