@@ -73,6 +73,45 @@ def test_the_leaders_own_messages_are_not_a_person(publishers):
     assert person.force(0.0) is None
 
 
+def test_a_leader_that_is_ahead_of_its_copy_is_still_no_person():
+    person = Person(lockstepped=True, publishers=2)
+    for tick in (0, 5, 10):
+        person.wrench.receive(message(1.0, tick))
+    for tick in (0, 5, 10):
+        person.wrench.note_leader(message(1.0, tick))
+    assert person.force(1.0) is None
+
+
+@pytest.mark.parametrize("ahead", range(-12, 13))
+def test_a_persons_stamp_does_not_matter_even_if_it_is_simulated_time(ahead):
+    person = Person(lockstepped=True, publishers=2)
+    for tick in range(0, 100, 5):
+        person.wrench.receive(message(1.0, tick))
+        person.wrench.note_leader(message(1.0, tick))
+    person.time = 0.2
+    person.wrench.receive(message(9.0, tick=95 + ahead))
+    for tick in range(100, 115, 5):
+        person.wrench.receive(message(1.0, tick))
+        person.wrench.note_leader(message(1.0, tick))
+    assert person.force(0.3) == 9.0
+
+
+def test_a_person_is_heard_where_the_leader_says_nothing_more():
+    person = Person(lockstepped=True)
+    person.wrench.note_leader(message(1.0, 100))
+    person.wrench.receive(message(9.0, 105))
+    assert person.force(0.25) == 9.0
+
+
+def test_what_is_decided_late_does_not_take_the_place_of_what_came_after_it():
+    person = Person(lockstepped=True, publishers=2)
+    person.wrench.receive(message(9.0, tick=5))
+    person.wrench.receive(message(7.0, tick=1))
+    for tick in (0, 5, 10):
+        person.wrench.note_leader(message(1.0, tick))
+    assert person.force(0.1) == 7.0
+
+
 def test_a_person_beside_the_leader_takes_its_place_until_letting_go():
     person = Person(lockstepped=True, publishers=2)
     for tick in range(0, 100, 5):

@@ -14,9 +14,11 @@ from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, NodeWirin
 from follower_humanoid.ros.barrier import RESET, Announcer, Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import NANOSECONDS, Codec, stamp_of
+from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.ros.lockstep import CLOCK, STALE, LockStep
 from follower_humanoid.ros.managed_node import ManagedNode, Rate
 from follower_humanoid.ros.parameters import LiveConfig, declare
+from follower_humanoid.ros.people import copy_of
 from follower_humanoid.ros.qos import LOCKSTEP
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.shared_robot import shared_robot
@@ -59,6 +61,7 @@ class LockStepNode(ManagedNode):
         self.reset_at: int | None = None
         self._codecs: dict[str, Codec] = {}
         self._publishers_by_topic: dict[str, Any] = {}
+        self._copies: dict[str, Any] = {}
         self._own_subscriptions: list[Any] = []
         self._own_publishers: list[Any] = []
         self._barrier: Barrier | None = None
@@ -109,6 +112,9 @@ class LockStepNode(ManagedNode):
             publisher = self.make_publisher(self._codecs[topic].message_type, topic)
             self._publishers_by_topic[topic] = publisher
             self._barrier.watch(publisher, expected_readers(topic, self.present) - {self.wiring.name})
+            if topic in PEOPLE_TOPICS:
+                self._copies[topic] = self.make_publisher(self._codecs[topic].message_type, copy_of(topic))
+                self._barrier.watch(self._copies[topic], {SIMULATOR} & self.present)
         table = nodes_with(self.present)
         readers = {n for topic in self.outputs() for n in expected_readers(topic, self.present) if n in table}
         self._absent = self.make_publisher(Header, ABSENT)
@@ -170,7 +176,9 @@ class LockStepNode(ManagedNode):
             return
         codec = self._codecs[topic]
         subscription = self.make_subscription(
-            codec.message_type, topic, partial(self._receive, topic, codec.decode)
+            codec.message_type,
+            copy_of(topic) if topic in PEOPLE_TOPICS else topic,
+            partial(self._receive, topic, codec.decode),
         )
         producer = PRODUCER[topic].name
         if producer not in self.present and self._barrier is not None:
@@ -239,7 +247,10 @@ class LockStepNode(ManagedNode):
         for name, topic in self.wiring.outputs.items():
             sample = getattr(outputs, name)
             if sample is not None:
-                self._publishers_by_topic[topic].publish(self._codecs[topic].encode(sample, stamp))
+                data = self._codecs[topic].encode(sample, stamp)
+                if topic in self._copies:  # everybody may publish there: the copy is surely ours
+                    self._copies[topic].publish(data)
+                self._publishers_by_topic[topic].publish(data)
             elif topic in _READ_BY_NODES:
                 header = Header(frame_id=topic)
                 header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANOSECONDS)

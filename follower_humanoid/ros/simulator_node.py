@@ -44,7 +44,7 @@ class SimulatorNode(LockStepNode):
         self.create_service(Trigger, "reset", self._reset_asked)
         self._inputs = self.wiring.component_class().Inputs
         self._input_of = {topic: name for name, topic in self.wiring.inputs.items()}
-        self._people: list[PeopleWrench] = []
+        self._people: dict[str, PeopleWrench] = {}
         self._began = 0.0
         self._skew_tick = 0
         self._speed = (0.0, 0)
@@ -68,7 +68,7 @@ class SimulatorNode(LockStepNode):
             self._barrier.watch(self._clock_publisher, expected_readers(CLOCK, self.present))
             self._reset_publisher = self.make_publisher(Header, RESET)
             self._barrier.watch(self._reset_publisher, self._roll_call.others)
-        self._people = [self._person(topic) for topic in sorted(PEOPLE_TOPICS)]
+        self._people = {topic: self._person(topic) for topic in sorted(PEOPLE_TOPICS)}
 
     def _person(self, topic: str) -> PeopleWrench:
         codec = self._codecs[topic]
@@ -79,9 +79,12 @@ class SimulatorNode(LockStepNode):
         person.publishers = subscription.get_publisher_count
         person.now = lambda: self.lock.tick * self.graph.tick
         person.lockstepped = topic in self.lock.topics
-        if person.lockstepped:
-            self.make_subscription(codec.message_type, topic, person.note_leader)
         return person
+
+    def _receive(self, topic: str, decode: Any, data: bytes) -> None:
+        if topic in self._people:
+            self._people[topic].note_leader(data)
+        super()._receive(topic, decode, data)
 
     def still_waiting_for(self) -> list[str]:
         """Nodes that have not announced themselves."""
@@ -107,7 +110,7 @@ class SimulatorNode(LockStepNode):
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One tick of physics, then the next state."""
         values = {self._input_of[topic]: sample for topic, sample in samples.items()}
-        for person in self._people:
+        for person in self._people.values():
             held = person.at(tick * self.graph.tick)
             if held is not None:
                 values[self._input_of[person.topic]] = held
