@@ -45,7 +45,7 @@ class SimulatorNode(LockStepNode):
         self._inputs = self.wiring.component_class().Inputs
         self._input_of = {topic: name for name, topic in self.wiring.inputs.items()}
         self._people: dict[str, PeopleWrench] = {}
-        self._began = 0.0
+        self._began = self._paced_from = 0.0
         self._skew_tick = 0
         self._speed = (0.0, 0)
         if self.run.realtime:
@@ -93,7 +93,7 @@ class SimulatorNode(LockStepNode):
 
     def barrier_passed(self) -> None:
         """Time 0: the first state goes out."""
-        self._began = time.monotonic()
+        self._began = self._paced_from = time.monotonic()
         self._publish_state()
 
     def may_step(self) -> bool:
@@ -102,9 +102,10 @@ class SimulatorNode(LockStepNode):
             return False
         if not self.run.realtime:
             return True
-        ahead = (self.lock.tick + 1 - self._skew_tick) * self.graph.tick - (time.monotonic() - self._began)
+        ahead = (self.lock.tick + 1 - self._skew_tick) * self.graph.tick
+        ahead -= time.monotonic() - self._paced_from
         if ahead < -_GRACE:  # too slow a machine: go on from here rather than race to catch up
-            self._began, self._skew_tick = time.monotonic(), self.lock.tick
+            self._paced_from, self._skew_tick = time.monotonic(), self.lock.tick
         return ahead <= 0.0
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
