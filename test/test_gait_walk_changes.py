@@ -177,3 +177,12 @@ def test_a_loaded_swing_foot_stops_lowering() -> None:
     for _ in range(100):
         bench.tick(AHEAD, {side: 100.0, side.other: 600.0})
     assert 0.0 < height - bench.motion[-1][0, 2] < 0.5 * height
+
+
+@pytest.mark.parametrize("progress", [0.45, 0.47, 0.4775])
+def test_height_asked_for_just_before_the_foot_is_up_makes_no_jump(progress: float) -> None:
+    bench = in_the_first_swing(progress)
+    bench.to_touchdown(CHANGES["height"])
+    motion = np.array(bench.motion)
+    assert np.abs(motion[:, 1, 2]).max() < 1.0
+    assert np.abs(np.diff(motion[:, 0, 2])).max() < 0.005

@@ -101,15 +101,22 @@ def polygon_margin(polygon: Array, point: Array) -> float:
         point: Shape (2,) [m].
     """
     if len(polygon) < 3:
-        return -min(float(np.hypot(*(point - vertex))) for vertex in polygon)
+        return -_distance_to_edges(polygon, point)
     edges = np.roll(polygon, -1, axis=0) - polygon
     normals = np.column_stack((-edges[:, 1], edges[:, 0])) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
     inside = float(np.min(np.sum(normals * (point - polygon), axis=1)))
     if inside >= 0.0:
         return inside
-    along = np.clip(np.sum((point - polygon) * edges, axis=1) / np.sum(edges**2, axis=1), 0.0, 1.0)
+    return -_distance_to_edges(polygon, point)
+
+
+def _distance_to_edges(polygon: Array, point: Array) -> float:
+    """Distance of a point to the nearest point of the closed line through the vertices [m]."""
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    lengths2 = np.maximum(np.sum(edges**2, axis=1), 1e-18)
+    along = np.clip(np.sum((point - polygon) * edges, axis=1) / lengths2, 0.0, 1.0)
     nearest = polygon + along[:, None] * edges
-    return -float(np.min(np.hypot(*(point - nearest).T)))
+    return float(np.min(np.hypot(*(point - nearest).T)))
 
 
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:

@@ -77,6 +77,8 @@ class LegController:
         self._toes = np.array([robot.joint_index(f"{side.prefix}_toe_pitch") for side in SIDES])
         self._saturated = np.zeros(ACTUATED, dtype=bool)
         self._hold: Array | None = None
+        self._toe_preload: Array = np.zeros(len(SIDES))
+        self._first_load: Array = np.ones(len(SIDES))
         self._last_velocity: Array = np.zeros(ACTUATED)
         self._saturated_ticks = 0
         self._peak = 0.0
@@ -87,6 +89,8 @@ class LegController:
         joints, motors = inputs.joints, self._motors
         if self._hold is None:
             self._hold = joints.position
+            self._toe_preload = joints.effort[self._toes]
+            self._first_load = self._loads(inputs)
         wanted, speed = self._hold, np.zeros(ACTUATED)
         if inputs.reference is not None:
             wanted, speed = inputs.reference.position, inputs.reference.velocity
@@ -102,8 +106,7 @@ class LegController:
         q, v = self._robot.state(inputs.odometry, joints)
         mass_matrix, bias, external = self._dynamics(inputs, q, v)
         torque, _ = motor_torque(mass_matrix, bias, external, a, motors.rotor_inertia)
-        spring = self._config.toe_stiffness * (wanted - joints.position)
-        torque[self._toes] = (spring + self._config.toe_damping * (speed - joints.velocity))[self._toes]
+        torque[self._toes] = self._toe_torque(inputs, wanted, speed)
         voltage = motors.voltage(torque, joints.velocity)
         limited = np.clip(voltage, -motors.voltage_limit, motors.voltage_limit)
         self._saturated = limited != voltage
@@ -140,6 +143,23 @@ class LegController:
             )
             external += jacobian[:3].T @ hand.force + jacobian[3:].T @ hand.torque
         return mass_matrix, bias, external
+
+    def _toe_torque(self, inputs: LegInputs, wanted: Array, speed: Array) -> Array:
+        """Springs that carry the toes' part of the foot's load, shape (2,) [N·m].
+
+        That part is what they carried at the first tick, in proportion to the load since.
+        """
+        config, joints, toes = self._config, inputs.joints, self._toes
+        carried = np.clip(self._loads(inputs) / np.maximum(self._first_load, 1.0), 0.0, 1.0)
+        spring = config.toe_stiffness * (wanted - joints.position)[toes]
+        return np.asarray(
+            self._toe_preload * carried + spring + config.toe_damping * (speed - joints.velocity)[toes]
+        )
+
+    @staticmethod
+    def _loads(inputs: LegInputs) -> Array:
+        """Normal forces of the feet, shape (2,) [N]."""
+        return np.array([inputs.left_foot.force[2], inputs.right_foot.force[2]])
 
     def _weights(self, inputs: LegInputs) -> Array:
         """σ: ankles of a foot that carries give way to the foot wrench."""

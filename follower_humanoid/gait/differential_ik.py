@@ -23,6 +23,8 @@ class IkConfig:
     com_gain: float = parameter(10.0, "CoM error feedback", "1/s", 0, 100)
     pelvis_gain: float = parameter(10.0, "pelvis height and attitude error feedback", "1/s", 0, 100)
     damping: float = parameter(1e-4, "λ of the damped least squares", "", 1e-6, 1e-1)
+    singular_damping: float = parameter(1e-2, "λ with a straight knee", "", 1e-6, 1e-1)
+    singular_knee: float = parameter(0.15, "knee angle below which λ grows", "rad", 0, 1)
     foot_speed: float = parameter(0.3, "largest correction speed of a foot", "m/s", 0.01, 2.0)
 
 
@@ -82,6 +84,7 @@ class DifferentialIk:
         self._soles = {side: robot.frame_id(f"{side.prefix}_sole") for side in SIDES}
         legs = [robot.groups.leg(side)[:LEG_IK_JOINTS] for side in SIDES]
         self._unknowns = np.concatenate((np.arange(BASE_DOF), *(BASE_DOF + leg for leg in legs)))
+        self._knees = [BASE_DOF + 1 + robot.joint_index(f"{side.prefix}_knee") for side in SIDES]
         self.q: Array = np.array(q)
         self.v: Array = np.zeros(self._model.nv)
         self._jacobian = np.zeros((18, 18))
@@ -108,6 +111,13 @@ class DifferentialIk:
     def sole(self, side: Side) -> pin.SE3:
         """Pose of a sole of the reference in world."""
         return self._data.oMf[self._soles[side]]
+
+    def _damping(self) -> float:
+        """λ: small, and growing as a knee comes near its straight, singular posture."""
+        config = self._config
+        straightest = float(np.min(np.abs(self.q[self._knees])))
+        near = max(0.0, 1.0 - straightest / max(config.singular_knee, 1e-9))
+        return config.damping + near**2 * (config.singular_damping - config.damping)
 
     def advance(self, feet: dict[Side, FootTask], body: BodyTask, given: Array, dt: float) -> None:
         """One tick: solves for the velocities and integrates the configuration.
@@ -145,7 +155,7 @@ class DifferentialIk:
         turn = pin.log3(body.pelvis_rotation @ rotation.T)
         rates[15:18] = body.pelvis_angular_velocity + config.pelvis_gain * turn
         normal = jacobian @ jacobian.T
-        normal[np.diag_indices(18)] += config.damping**2
+        normal[np.diag_indices(18)] += self._damping() ** 2
         v[self._unknowns] = jacobian.T @ solve_positive(normal, rates)
         self.v = v
         self.q = pin.integrate(self._model, self.q, v * dt)

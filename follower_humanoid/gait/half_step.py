@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from follower_humanoid.core.samples import Side
+from follower_humanoid.core.samples import Array, Side
 from follower_humanoid.gait.channel import ConstantSpeedChannel, MinimumJerkChannel
 from follower_humanoid.gait.feet import FootPose
 from follower_humanoid.gait.preview import ZmpLeg
-from follower_humanoid.gait.primitives import StepContext
+from follower_humanoid.gait.primitives import Primitive, StepContext
 from follower_humanoid.gait.sequence import Phase, Sequence, primitive_name
 
 
@@ -63,6 +63,7 @@ class HalfStep:
         self._index = 0
         self._shortest_transfer = shortest_transfer
         self._hurried: float | None = None
+        self._targets: dict[Primitive, Array] = {}
         self.stance = stance
         self.swing = swing
         self.closing = closing
@@ -129,7 +130,7 @@ class HalfStep:
             owned.add(primitive.channel)
             remaining = (primitive.end - self.progress) * phase_time
             channel = zmp if primitive.channel == "zmp" else self.swing.channels()[primitive.channel]
-            channel.advance(primitive.target(context), remaining, dt)
+            channel.advance(self._target(primitive, context), remaining, dt)
         for name, channel in self.swing.channels().items():
             if name not in owned:
                 channel.hold(dt)
@@ -155,6 +156,12 @@ class HalfStep:
             part = swing if phase.single_support else transfer
             part += phase_zmp_plan(phase, begin, context, self._phase_time(phase, duration))
         return transfer, swing
+
+    def _target(self, primitive: Primitive, context: StepContext) -> Array:
+        """The target of a primitive, kept once it has settled."""
+        if primitive not in self._targets or primitive.completion(self.progress) < primitive.settled:
+            self._targets[primitive] = primitive.target(context)
+        return self._targets[primitive]
 
     def _phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase; the transfer out of standing takes its own [s]."""

@@ -87,7 +87,10 @@ class Walker:
         self._footsteps = footsteps
         self.shift: Array = np.zeros(2)
         self._sequence = sequence
-        self.feet = dict(feet)
+        left, right = feet[Side.LEFT], feet[Side.RIGHT]
+        # Both yaws on one branch: a swing foot that starts at −π must not turn all round to reach +π.
+        right = replace(right, yaw=left.yaw + wrap_angle(right.yaw - left.yaw))
+        self.feet = {Side.LEFT: left, Side.RIGHT: right}
         self.half_step: HalfStep | None = None
         self.landing: FootPose | None = None
         self.zmp = ConstantSpeedChannel(zmp)
@@ -168,7 +171,9 @@ class Walker:
             self.half_step.hurry(swing_time)
 
     def anchor(self, side: Side, foot: FootPose) -> None:
-        """The foot stands where it is measured, not where it was sent."""
+        """The foot stands where it is measured, not where it was sent; its yaw stays on the known branch."""
+        known = self.feet[side].yaw
+        foot = replace(foot, yaw=known + wrap_angle(foot.yaw - known))
         self.feet[side] = foot
         if self.half_step is not None and self.half_step.stance.side is side:
             self.half_step.stance = foot

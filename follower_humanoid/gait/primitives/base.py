@@ -40,10 +40,13 @@ class Primitive:
     """A motion primitive.
 
     Attributes:
+        channel: The coordinate it moves.
+        settled: Part of the window after which the target is kept: too late a change would be a jerk.
         start, end: Window within the phase, 0…1; the shorter, the faster.
     """
 
     channel: ClassVar[str]
+    settled: ClassVar[float] = 1.0
 
     start: float = 0.0
     end: float = 1.0

@@ -20,6 +20,7 @@ class Bend(Primitive):
     """
 
     channel: ClassVar[str] = "swing_height"
+    settled: ClassVar[float] = 0.6
 
     height: float = 1.0
 
