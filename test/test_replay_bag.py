@@ -19,10 +19,10 @@ from follower_humanoid.replay.player import Player, PlayOptions
 STORE = get_typestore(Stores.ROS2_JAZZY)
 
 
-def foreign_bag(folder: Path, count: int = 20) -> Path:
+def foreign_bag(folder: Path, count: int = 20, storage: StoragePlugin = StoragePlugin.MCAP) -> Path:
     """A bag that other software wrote."""
     text = STORE.types["std_msgs/msg/String"]
-    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+    with Writer(folder, version=9, storage_plugin=storage) as writer:
         topic = writer.add_connection("/chatter", "std_msgs/msg/String", typestore=STORE)
         for number in range(count):
             data = STORE.serialize_cdr(text(data=f"hello {number}"), "std_msgs/msg/String")
@@ -78,8 +78,10 @@ def test_a_clock_is_made_from_the_times_of_receipt():
     assert [event for event in played if event.topic == "/a"] == messages
 
 
-def test_a_bag_of_others_is_played_with_a_clock_of_ours(tmp_path):
-    index = index_bag(foreign_bag(tmp_path / "foreign"))
+@pytest.mark.parametrize("storage", [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+def test_a_bag_of_others_is_played_with_a_clock_of_ours(tmp_path, storage):
+    index = index_bag(foreign_bag(tmp_path / "foreign", storage=storage))
+    assert index.duration == pytest.approx(0.19)
     assert index.topics["/chatter"].count == 20
     player = Player(index, PlayOptions(tmp_path / "foreign", rate=100.0), index.topics)
     assert player.makes_clock
@@ -147,6 +149,9 @@ def test_what_is_no_bag_is_refused(tmp_path):
     (tmp_path / "zero.mcap").touch()
     with pytest.raises(ConfigurationError, match="is empty"):
         index_bag(tmp_path / "zero.mcap")
+    (tmp_path / "junk.db3").write_bytes(b"junk" * 1000)
+    with pytest.raises(ConfigurationError, match="cannot be read"):
+        index_bag(tmp_path / "junk.db3")
     (tmp_path / "junk.mcap").write_bytes(b"junk" * 100)
     with pytest.raises(ConfigurationError, match="not an MCAP file"):
         index_bag(tmp_path / "junk.mcap")

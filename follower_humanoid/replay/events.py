@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 from operator import attrgetter
 from typing import NamedTuple
 
-from follower_humanoid.bag.mcap_file import McapFile, Message
-from follower_humanoid.replay.index import BagIndex
+from follower_humanoid.bag.mcap_file import Message
+from follower_humanoid.replay.index import BagFile, BagIndex, open_file
 
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 CLOCK = "/clock"
@@ -40,14 +40,14 @@ def events(index: BagIndex, topics: frozenset[str], start: int = 0) -> Iterator[
 
 def _chunks(index: BagIndex, topics: frozenset[str], start: int) -> Iterator[list[Event]]:
     for path in index.files:
-        file = McapFile(path)
+        file = open_file(path)
         for messages in file.chunks():
             yield _events(file, messages, topics, start)
         # Found only now where a summary has promised a whole file.
         index.notes += [note for note in file.notes if note not in index.notes]
 
 
-def _events(file: McapFile, messages: list[Message], topics: frozenset[str], start: int) -> list[Event]:
+def _events(file: BagFile, messages: list[Message], topics: frozenset[str], start: int) -> list[Event]:
     names = {number: info.topic for number, info in file.channels.items() if info.topic in topics}
     messages.sort(key=_RECEIVED)
     return [

@@ -14,6 +14,10 @@ from mcap.records import Statistics
 from follower_humanoid.bag.mcap_file import McapFile, bag_files
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.replay.offered import Offered, offered_in
+from follower_humanoid.replay.sqlite_file import SqliteFile
+
+BagFile = McapFile | SqliteFile
+_SQLITE = ".db3"
 
 
 @dataclass
@@ -78,27 +82,45 @@ def index_bag(path: Path) -> BagIndex:
     Raises:
         ConfigurationError: Nothing there that could be played.
     """
-    index = BagIndex(path, bag_files(path))
+    index = BagIndex(path, _files(path))
     spans: list[tuple[int, int]] = []
-    for file in index.files:
-        mcap = McapFile(file)
-        statistics = _statistics(file)
-        if statistics is None:
-            counts, span = _walk(mcap)
-        else:
-            counts = Counter(statistics.channel_message_counts)
-            span = (statistics.message_start_time, statistics.message_end_time)
-        for number, channel in mcap.channels.items():
+    for file in map(open_file, index.files):
+        counts, span = _counts(file)
+        for number, channel in file.channels.items():
             offered = offered_in(channel.qos)
             topic = index.topics.setdefault(channel.topic, TopicIndex(channel.type_name, offered))
             topic.count += counts[number]
         if sum(counts.values()):
             spans.append(span)
-        index.notes += mcap.notes
+        index.notes += file.notes
     if not spans:
         raise ConfigurationError(f"bag {path} holds no messages")
     index.begin, index.end = min(first for first, _ in spans), max(last for _, last in spans)
     return index
+
+
+def open_file(path: Path) -> BagFile:
+    """One file of a bag, whatever its storage."""
+    return SqliteFile(path) if path.suffix == _SQLITE else McapFile(path)
+
+
+def _files(bag: Path) -> list[Path]:
+    """The files of a bag in the order of time; SQLite only where there is no MCAP."""
+    if bag.is_dir() and not any(bag.glob("*.mcap")):
+        databases = [(SqliteFile(path).statistics()[1], path) for path in bag.glob(f"*{_SQLITE}")]
+        if databases:
+            return [path for _, path in sorted(databases)]
+    return bag_files(bag)
+
+
+def _counts(file: BagFile) -> tuple[Counter[int], tuple[int, int]]:
+    if isinstance(file, SqliteFile):
+        return file.statistics()
+    statistics = _statistics(file.path)
+    if statistics is None:
+        return _walk(file)
+    span = (statistics.message_start_time, statistics.message_end_time)
+    return Counter(statistics.channel_message_counts), span
 
 
 def _statistics(file: Path) -> Statistics | None:

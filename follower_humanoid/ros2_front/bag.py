@@ -19,7 +19,7 @@ _UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 def _bag_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("bag_path", nargs="?", type=Path, help="bag folder or .mcap file")
     parser.add_argument("-i", "--input", type=Path, metavar="BAG", help="the same")
-    parser.add_argument("-s", "--storage", choices=["mcap"], help="only MCAP is understood")
+    parser.add_argument("-s", "--storage", metavar="ID", help="accepted; found out anyway")
 
 
 def _bag(args: argparse.Namespace) -> Path:
@@ -55,7 +55,7 @@ def information(index: BagIndex) -> str:
     lines = [
         f"Files:             {', '.join(file.name for file in index.files)}",
         f"Bag size:          {size:.1f} {_UNITS[unit]}",
-        "Storage id:        mcap",
+        f"Storage id:        {'sqlite3' if index.files[0].suffix == '.db3' else 'mcap'}",
         f"Duration:          {index.duration:.9f}s",
         f"Start:             {_moment(index.begin)}",
         f"End:               {_moment(index.end)}",
