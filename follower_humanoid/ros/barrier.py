@@ -110,12 +110,16 @@ class Announcer:
 
 
 class RollCall:
-    """Who has announced itself; the simulator holds it."""
+    """Who has announced itself; the simulator holds it.
+
+    Attributes:
+        others: Nodes that reset with the simulator; the recorder is awaited at the start only.
+    """
 
     def __init__(self, node: Node, present: Collection[str], complete: Callable[[], None]) -> None:
         """Args: the node that listens, the nodes that run, and what to do when the last has spoken."""
         self.others = frozenset(name for name in present if name not in (RECORDER, SIMULATOR))
-        self._awaited = set(self.others)
+        self._awaited = set(present) - {SIMULATOR}
         self._complete = complete
         node.create_subscription(String, READY, self._heard, LATCHED)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-_DEPTH = 50
+# Two seconds at 500 Hz: a recorder that the system or a disk lets wait must not lose a tick.
+_DEPTH = 1000
 
 LOCKSTEP = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=ReliabilityPolicy.RELIABLE

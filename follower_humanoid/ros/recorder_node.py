@@ -139,18 +139,22 @@ class RecorderNode(ManagedNode):
         recording = self._recording
         if recording is None or self._writer is None:
             return 0
-        for topic, subscription in self._taps:
-            handle, message_type = subscription.handle, subscription.msg_type
-            with handle:
-                while (taken := handle.take_message(message_type, True)) is not None:
-                    data, info = taken
-                    received, published = info["received_timestamp"], info["source_timestamp"]
-                    recording.take(Arrival(topic, data, received, published))
         try:
+            for topic, subscription in self._taps:
+                self._empty(recording, topic, subscription)
             return recording.flush()
-        except OSError as error:
+        except Exception as error:  # whatever it is: what was written so far must be kept and the user told
             self._give_up(error)
             return 0
+
+    @staticmethod
+    def _empty(recording: Recording, topic: Recorded, subscription: Any) -> None:
+        handle, message_type = subscription.handle, subscription.msg_type
+        with handle:
+            while (taken := handle.take_message(message_type, True)) is not None:
+                data, info = taken
+                received, published = info["received_timestamp"], info["source_timestamp"]
+                recording.take(Arrival(topic, data, received, published))
 
     def _announce(self, topic: Recorded) -> tuple[str, list[dict[str, Any]]]:
         subscription = next(tap for known, tap in self._taps if known is topic)
@@ -187,13 +191,20 @@ class RecorderNode(ManagedNode):
             return
         try:
             writer.close()
-        except OSError as error:
-            self.quit(FAILED, f"bag {writer.folder}: {error.strerror}; it ends without a summary")
+        except Exception as error:
+            self.quit(FAILED, f"bag {writer.folder}: {_reason(error)}; it ends without a summary")
 
-    def _give_up(self, error: OSError) -> None:
+    def _give_up(self, error: Exception) -> None:
         at = self.stamp / 1e9
         folder = self._writer.folder if self._writer else ""
-        self._close()
+        # First, so that a failure to close, which is likely to follow, does not hide what it came from.
         self.quit(
-            FAILED, f"bag {folder}: {error.strerror} at {at:.2f} s; what was written before can be read"
+            FAILED, f"bag {folder}: {_reason(error)} at {at:.2f} s; what was written before can be read"
         )
+        self._close()
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return f"{type(error).__name__}: {error}"
