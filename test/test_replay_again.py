@@ -137,7 +137,7 @@ def test_a_node_of_somebody_else_is_taken_from_the_bag(run):
     nodes = "simulator,wrench_sensing,motion_composition,zmp_balance,leg_controller,arm_controller"
     parameters = {"simulator": {**PARAMETERS["simulator"], "nodes": nodes}}
     recorded = repeatable(dataclasses.replace(run, about=about(parameters)))
-    assert any("gait_mapping was not of this package" in note for note in recorded.notes)
+    assert any("gait_mapping was somebody else's" in note for note in recorded.notes)
     assert repeat(recorded, verify=True).difference is None
 
 

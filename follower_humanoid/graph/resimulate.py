@@ -27,7 +27,7 @@ from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.node_configs import node_parameters
 from follower_humanoid.graph.record import Integers, Run, RunRecorder, Series
 from follower_humanoid.graph.simulate import Chain
-from follower_humanoid.graph.wiring import NODES, SIMULATOR, NodeWiring, nodes_with
+from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, NodeWiring, nodes_with
 from follower_humanoid.ros.graph_config import LEADER
 
 PARAMETERS = "parameters.yaml"
@@ -118,6 +118,8 @@ def repeatable(run: Run) -> Recorded:
             raise ConfigurationError(f"the bag holds no {topic}, which simulating it again needs")
     listed = str(values.get(SIMULATOR, {}).get("nodes", ",".join(NODES))).split(",")
     names = {name.strip() for name in listed}
+    if any(topic in run for topic in ARM_TASK.outputs.values()):
+        names.add(ARM_TASK.name)
     nodes = frozenset(names & nodes_with(names).keys())
     resets = _resets(run)
     notes = [*_version_notes(run), *_gap_notes(run), *_foreign_notes(run, nodes), *_frame_notes(run)]
@@ -188,8 +190,8 @@ def _gap_notes(run: Run) -> Iterator[str]:
 def _foreign_notes(run: Run, nodes: frozenset[str]) -> Iterator[str]:
     for name in sorted(NODES.keys() - nodes - {LEADER}):
         topics = [topic for topic in NODES[name].outputs.values() if topic in run]
-        listed = ", ".join(topics) or "nothing"
-        yield f"{name} was not of this package: what it published is taken from the bag ({listed})"
+        if topics:
+            yield f"{name} was somebody else's: what it published is taken from the bag ({', '.join(topics)})"
 
 
 def _frame_notes(run: Run) -> Iterator[str]:
