@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from std_msgs.msg import String
 
-from follower_humanoid.ros.barrier import RollCall, reset_known
+from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.ros.barrier import RollCall, expected_readers, reset_known
+from follower_humanoid.ros.lockstep import CLOCK
 from follower_humanoid.ros.qos import LOCKSTEP
 
 
@@ -35,6 +37,12 @@ def test_a_reset_does_not_concern_the_recorder():
     call.expect_reset(40)
     node.hears(reset_known("leader", 40))
     assert complete == [True]
+
+
+def test_the_first_clock_must_reach_whom_it_paces():
+    everyone = frozenset(NODES)
+    assert expected_readers(CLOCK, everyone) == {"leader"}
+    assert expected_readers(CLOCK, everyone - {"wrench_sensing"}) == {"leader", "gait_mapping"}
 
 
 def test_a_reader_may_be_two_seconds_late():

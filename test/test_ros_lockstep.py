@@ -217,3 +217,26 @@ def test_held_motor_commands_become_missing_so_that_the_drives_hold():
     lock = LockStep(NODES["simulator"], without("arm_controller"), topics, hold=3)
     lock.put("arms/command", None, "volts")
     assert walk(lock, 5, "arms/command") == ["volts"] * 4 + [None]
+
+
+def test_a_node_that_hears_strangers_only_keeps_the_pace_of_the_clock():
+    lock = LockStep(NODES["gait_mapping"], without("wrench_sensing"))
+    for topic in lock.topics:
+        if topic != CLOCK:
+            lock.put(topic, None, "pull")
+    assert not lock.ready
+    ticks = []
+    for tick in range(11):
+        lock.put(CLOCK, tick, True)
+        while lock.ready:
+            ticks.append(lock.tick)
+            assert lock.take()["left_hand/wrench"] == "pull"
+    assert ticks == [0, 5, 10]
+
+
+def test_a_simulator_whose_commands_are_held_waits_for_nobody():
+    lock = LockStep(NODES["simulator"], without("arm_controller"), ["arms/command"])
+    assert lock.paced
+    lock.put("arms/command", None, "volts")
+    assert lock.ready
+    assert not lock.paced

@@ -17,7 +17,7 @@ from std_msgs.msg import String
 
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.graph_config import RECORDER
-from follower_humanoid.ros.lockstep import CLOCK
+from follower_humanoid.ros.lockstep import CLOCK, hears_clock
 from follower_humanoid.ros.qos import LATCHED
 
 READY = "graph/ready"
@@ -30,7 +30,7 @@ def expected_readers(topic: str, present: Collection[str]) -> frozenset[str]:
     readers = {
         name
         for name, node in nodes_with(present).items()
-        if topic in node.inputs.values() or (topic == CLOCK and not node.inputs)
+        if topic in node.inputs.values() or (topic == CLOCK and hears_clock(node, present))
     }
     return frozenset((readers | {RECORDER}) & set(present))
 

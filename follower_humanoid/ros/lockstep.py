@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
-from follower_humanoid.graph.wiring import PRODUCER, NodeWiring, used_tick
+from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, NodeWiring, used_tick
 
 CLOCK = "clock"
 STALE = 0.5  # simulated time for which a stranger's newest message is held [s]
@@ -60,6 +60,13 @@ class Missing:
         return f"{self.topic} of tick {self.tick} from {self.producer}"
 
 
+def hears_clock(node: NodeWiring, present: Collection[str]) -> bool:
+    """Whether the clock paces a node, since none of the nodes that run does."""
+    return node.name != SIMULATOR and all(
+        PRODUCER[topic].name not in present for topic in node.inputs.values()
+    )
+
+
 class LockStep:
     """The inputs of one node, tick by tick.
 
@@ -83,7 +90,7 @@ class LockStep:
             node: Whose inputs.
             present: Nodes that run; what others would publish comes from strangers.
             topics: The inputs to wait for; all of the node's if empty. A node without inputs is
-                paced by the clock.
+                paced by the clock, and so is one that hears strangers only: they may not pace it.
             hold: Ticks for which a stranger's message is held, see `STALE`.
         """
         self.tick = 0
@@ -94,7 +101,7 @@ class LockStep:
         self._origin = 0
         names = dict.fromkeys(topics or node.inputs.values())
         self._inputs = {name: self._input(name, present) for name in names}
-        if not self._inputs:
+        if hears_clock(node, present):
             self._inputs[CLOCK] = _Input(CLOCK, "simulator", 1, patient=True, foreign=False)
         self._await()
 
@@ -112,6 +119,11 @@ class LockStep:
     def ready(self) -> bool:
         """Whether the step of `tick` can be taken."""
         return self._missing == 0
+
+    @property
+    def paced(self) -> bool:
+        """False where nobody is waited for, since all that is heard is held."""
+        return not all(entry.held for entry in self._inputs.values())
 
     def missing(self) -> list[Missing]:
         """What the step of `tick` still needs."""

@@ -238,6 +238,8 @@ class LockStepNode(ManagedNode):
             self._steps += 1
             self._busy += time.perf_counter() - begin
             self._reset_if_due()
+            if not self.lock.paced:  # a timer goes on: strangers must be heard in between
+                return
 
     # Messages out.
 

@@ -48,8 +48,9 @@ class SimulatorNode(LockStepNode):
         self._began = self._paced_from = 0.0
         self._skew_tick = 0
         self._speed = (0.0, 0)
+        self._in_real_time = False
         if self.run.realtime:
-            self.create_timer(_PACE, self.run_ready_steps, clock=self._wall)
+            self._keep_real_time()
 
     def awaited_topics(self) -> tuple[str, ...]:
         """Commands of what can move, and the leader's wrenches where the built-in leader runs."""
@@ -100,13 +101,21 @@ class SimulatorNode(LockStepNode):
         """In real time, not before the tick is over on the wall's clock too."""
         if self._waiting_for_all:
             return False
-        if not self.run.realtime:
+        if not self.lock.paced and not self._in_real_time:
+            self.tell_once("no commands with stamps of the tick: in real time from here on")
+            self._keep_real_time()
+        if not self._in_real_time:
             return True
         ahead = (self.lock.tick + 1 - self._skew_tick) * self.graph.tick
         ahead -= time.monotonic() - self._paced_from
         if ahead < -_GRACE:  # too slow a machine: go on from here rather than race to catch up
             self._paced_from, self._skew_tick = time.monotonic(), self.lock.tick
         return ahead <= 0.0
+
+    def _keep_real_time(self) -> None:
+        self._in_real_time = True
+        self._paced_from, self._skew_tick = time.monotonic(), self.lock.tick
+        self.create_timer(_PACE, self.run_ready_steps, clock=self._wall)
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One tick of physics, then the next state."""

@@ -10,6 +10,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from types import FrameType
 from typing import Any, cast
 
@@ -69,6 +70,7 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
         status of the node that ended first.
     """
     die_with_parent()
+    _let_others_finish()
     stop = StopSignal()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     nodes: list[ManagedNode] = []
@@ -84,6 +86,17 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
         for node in nodes:
             cast(Any, node).destroy_node()
         try_shutdown()
+
+
+def _let_others_finish() -> None:
+    """Asks the kernel not to interrupt whoever runs when a message wakes us.
+
+    A node sends up to ten messages per tick; if the first one puts a reader in its place, the two
+    change places ten times. This way there are less than half as many switches.
+    """
+    if hasattr(os, "SCHED_BATCH"):
+        with suppress(OSError):  # not allowed everywhere, and not needed
+            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
 
 def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
