@@ -30,11 +30,18 @@ def automatic(switch: ModeSwitch, newton: float, ticks: int = 1) -> list[bool]:
 
 def test_a_mode_holds_for_both_hands():
     switch = ModeSwitch(TICK)
-    assert switch.step(COMPENSATION, pull(0.0), 4.0, 1.5, 0.1).all()
-    assert switch.yielding.all()
-    assert not switch.step(COMPENSATION, pull(0.0), 4.0, 1.5, 0.1).any()
-    assert switch.step(IMPEDANCE, pull(9.0), 4.0, 1.5, 0.1).all()
-    assert not switch.yielding.any()
+    for mode, newton, changes, yields in (
+        (IMPEDANCE, 9.0, False, False),
+        (COMPENSATION, 0.0, True, True),
+        (COMPENSATION, 0.0, False, True),
+        (COMPENSATION, 0.0, False, True),
+        (IMPEDANCE, 9.0, True, False),
+        (IMPEDANCE, 9.0, False, False),
+    ):
+        switch.step(mode, pull(newton), 4.0, 1.5, 0.1)
+        assert (switch.switched, switch.anybody) == (changes, yields)
+        assert list(switch.changed) == [changes] * 2
+        assert list(switch.yielding) == [yields] * 2
 
 
 def test_auto_has_hysteresis_in_force_and_time_and_knows_the_hands_apart():
@@ -50,17 +57,18 @@ def test_auto_has_hysteresis_in_force_and_time_and_knows_the_hands_apart():
 
 def test_force_noise_around_a_threshold_does_not_make_it_chatter():
     switch, rng = ModeSwitch(TICK), np.random.default_rng(0)
-    changes = sum(
-        switch.step(AUTO, pull(4.0 + rng.normal(scale=0.5)), 4.0, 1.5, 0.1).any() for _ in range(2000)
-    )
+    changes = 0
+    for _ in range(2000):
+        switch.step(AUTO, pull(4.0 + rng.normal(scale=0.5)), 4.0, 1.5, 0.1)
+        changes += switch.switched
     assert changes == 1
 
 
 def test_blending_takes_the_last_command_over_and_lets_it_fade():
     blend = Blend(0.2, TICK)
-    before = blend.step(np.full((2, 7), 5.0), NOBODY)
+    before = blend.step(np.full((2, 7), 5.0), None)
     found = [blend.step(np.full((2, 7), -3.0), LEFT)]
-    found += [blend.step(np.full((2, 7), -3.0), NOBODY) for _ in range(120)]
+    found += [blend.step(np.full((2, 7), -3.0), None) for _ in range(120)]
     np.testing.assert_allclose(found[0][0], before[0])
     np.testing.assert_allclose(found[0][1], -3.0)
     steps = np.abs(np.diff([command[0, 0] for command in found]))

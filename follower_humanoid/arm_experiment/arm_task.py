@@ -10,7 +10,7 @@ import numpy as np
 from follower_humanoid.arm_experiment.target_points import Leading, TargetPlanner
 from follower_humanoid.arm_experiment.tasks import ArmTaskConfig
 from follower_humanoid.control.hand_task import HandKinematics
-from follower_humanoid.core.samples import Joints, Odometry
+from follower_humanoid.core.samples import Inertial, Joints, Odometry
 from follower_humanoid.robot.model import RobotModel
 
 _LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
@@ -18,10 +18,10 @@ _LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 @dataclass(frozen=True)
 class ArmTaskInputs:
-    """State of this tick."""
+    """State of this tick; where the base is does not matter to a hand's place on it."""
 
     joints: Joints
-    odometry: Odometry
+    imu: Inertial
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,8 @@ class ArmTask:
 
     def step(self, inputs: ArmTaskInputs, time: float) -> ArmTaskOutputs:
         """The target of the next tick, which is when the arm controller reads it."""
-        hands = self._kinematics.motion(*self._robot.state(inputs.odometry, inputs.joints))
+        body = Odometry(np.zeros(3), inputs.imu.quat_xyzw, np.zeros(3), inputs.imu.angular_velocity)
+        hands = self._kinematics.motion(*self._robot.state(body, inputs.joints))
         place, rate = hands.place[0].copy(), hands.place_rate[0]
         if self._planner is None:
             config = self._config

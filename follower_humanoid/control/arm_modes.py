@@ -23,15 +23,21 @@ class ModeSwitch:
 
     Attributes:
         yielding: Left and right hand, shape (2,).
+        changed: Whose mode changed at this tick, shape (2,).
+        anybody: True where a hand yields.
+        switched: True where a mode changed at this tick.
     """
 
     def __init__(self, period: float) -> None:
         """Nobody yields; `period` is the control tick [s]."""
         self.yielding: Mask = np.zeros(2, dtype=bool)
+        self.changed: Mask = np.zeros(2, dtype=bool)
+        self.anybody = self.switched = False
+        self._mode = IMPEDANCE
         self._period = period
         self._quiet = np.zeros(2)
 
-    def step(self, mode: str, force: Array, pulled: float, released: float, delay: float) -> Mask:
+    def step(self, mode: str, force: Array, pulled: float, released: float, delay: float) -> None:
         """Decides for this tick.
 
         Args:
@@ -40,18 +46,17 @@ class ModeSwitch:
             pulled: Force above which a hand yields in `auto` [N].
             released: Force below which it is let go [N].
             delay: For how long, until it stops yielding [s].
-
-        Returns:
-            Which hands changed, shape (2,).
         """
-        before = self.yielding
+        if mode == self._mode != AUTO and not self.switched:
+            return  # nothing can change
+        before, self._mode = self.yielding, mode
         if mode == AUTO:
             self.yielding = self._automatic(force, pulled, released, delay)
         else:
             self.yielding = np.full(2, mode == COMPENSATION)
             self._quiet[:] = 0.0
-        changed: Mask = self.yielding != before
-        return changed
+        self.changed = self.yielding != before
+        self.anybody, self.switched = bool(self.yielding.any()), bool(self.changed.any())
 
     def _automatic(self, force: Array, pulled: float, released: float, delay: float) -> Mask:
         size = np.sqrt((force * force).sum(axis=1))
@@ -73,20 +78,23 @@ class Blend:
         self._step = period / time
         self._carried = np.zeros((2, 7))
         self._share = np.zeros(2)
+        self._fading = False
         self._last: Array | None = None
 
-    def step(self, command: Array, changed: Mask) -> Array:
+    def step(self, command: Array, changed: Mask | None) -> Array:
         """The command without a step.
 
         Args:
             command: Of the laws that hold now, shape (2, 7).
-            changed: Whose law is a new one, shape (2,).
+            changed: Whose law is a new one, shape (2,); None: nobody's.
         """
-        if changed.any() and self._last is not None:
+        if changed is not None and self._last is not None:
             self._carried[changed] = (self._last - command)[changed]
             self._share[changed] = 1.0
-        if self._share.any():
+            self._fading = True
+        if self._fading:
             command = command + self._share[:, None] * self._carried
             self._share = np.maximum(0.0, self._share - self._step)
+            self._fading = bool(self._share.any())
         self._last = command
         return command

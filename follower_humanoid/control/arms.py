@@ -26,7 +26,7 @@ from follower_humanoid.control.arm_config import ArmControllerConfig
 from follower_humanoid.control.arm_modes import COMPENSATION, IMPEDANCE, Blend, ModeSwitch
 from follower_humanoid.control.arm_torque import ArmTorque
 from follower_humanoid.control.gravity_compensation import compensation, leading_force
-from follower_humanoid.control.hand_reference import GlideLimits, HandReference, Mask
+from follower_humanoid.control.hand_reference import GlideLimits, HandReference
 from follower_humanoid.control.hand_task import (
     HandKinematics,
     HandMotion,
@@ -140,15 +140,16 @@ class ArmController:
         wrenches = (inputs.left_hand, inputs.right_hand)
         felt = _felt_forces(hands, wrenches)
         self._take_load(reference, felt, wrenches)
-        changed = self._choose_modes(felt)
-        yielding = self._switch.yielding
+        self._choose_modes(felt)
+        switch = self._switch
         reference.receive((inputs.left_target, inputs.right_target))
-        reference.glide(yielding)
-        reference.follow(yielding, hands, position)
+        reference.glide(switch.yielding)
+        if switch.anybody:
+            reference.follow(switch.yielding, hands, position)
 
         back = self._return_velocity(reference, hands)
         desired_velocity = self._desired_velocity(back, reference, hands, inverse, position)
-        acceleration = self._desired_acceleration(desired_velocity, reference.velocity, changed)
+        acceleration = self._desired_acceleration(desired_velocity, reference.velocity)
         force = self._hand_force(back, reference, hands, felt)
         acceleration = acceleration + impedance_acceleration(
             self._impedance.inertia, hands.jacobian, inverse, force
@@ -156,7 +157,7 @@ class ArmController:
         acceleration += self._joint_acceleration(
             inverse, position, velocity, desired_velocity, reference.posture
         )
-        acceleration = self._blend.step(acceleration, changed)
+        acceleration = self._blend.step(acceleration, switch.changed if switch.switched else None)
         torque = self._actuation.torque(q, v, inputs.imu, acceleration, hands, wrenches)
         voltage, saturated = self._actuation.voltage(torque, velocity.ravel(), acceleration.ravel())
 
@@ -169,7 +170,7 @@ class ArmController:
         reference.saturated[:] = saturated.reshape(2, 7).any(axis=1)
         return ArmControllerOutputs(
             Joints(held.ravel(), desired_velocity.ravel(), voltage),
-            self._mode_report() if first or changed.any() else None,
+            self._mode_report() if first or switch.switched else None,
         )
 
     def _first_reference(self, hands: HandMotion, position: Array) -> HandReference:
@@ -177,13 +178,11 @@ class ArmController:
         limits = GlideLimits(config.glide_speed, config.glide_turn, _GLIDE_RISE)
         return HandReference(hands.place, position, limits, self._period, config.limit_avoidance > 0.0)
 
-    def _choose_modes(self, felt: Array) -> Mask:
-        """Whose mode changes at this tick, shape (2,)."""
+    def _choose_modes(self, felt: Array) -> None:
+        """Decides which hands yield at this tick."""
         config = self._config
         pull = leading_force(felt, config.payload) if config.payload else felt
-        return self._switch.step(
-            config.mode, pull, config.auto_pulled, config.auto_released, config.auto_delay
-        )
+        self._switch.step(config.mode, pull, config.auto_pulled, config.auto_released, config.auto_delay)
 
     def _mode_report(self) -> PrimitiveStates:
         words = [COMPENSATION if yields else IMPEDANCE for yields in self._switch.yielding]
@@ -208,7 +207,9 @@ class ArmController:
         )  # fmt: skip
         spring = self._impedance.stiffness * (reference.virtual - hands.place)
         back = limited_return(back, spring, self._return_force)
-        back[reference.saturated | self._switch.yielding] = 0.0
+        back[reference.saturated] = 0.0
+        if self._switch.anybody:
+            back[self._switch.yielding] = 0.0
         total: Array = reference.rate + back
         return total
 
@@ -221,14 +222,15 @@ class ArmController:
             posture = limit_avoidance(position, self._lower, self._upper, config.limit_avoidance)
         else:
             posture = config.posture_return * (reference.posture - position)
-        if self._switch.yielding.any():
+        if self._switch.anybody:
             posture = np.where(self._switch.yielding[:, None], 0.0, posture)
         return joint_velocity(inverse, back - hands.carried, posture)
 
-    def _desired_acceleration(self, desired_velocity: Array, before: Array | None, changed: Mask) -> Array:
+    def _desired_acceleration(self, desired_velocity: Array, before: Array | None) -> Array:
         """q̈_d, the low-passed derivative of q̇_d; a switch of modes is no motion."""
         change = np.zeros_like(desired_velocity) if before is None else desired_velocity - before
-        if changed.any():
+        if self._switch.switched:
+            changed = self._switch.changed
             change[changed] = 0.0
             if self._reference_acceleration.value is not None:
                 self._reference_acceleration.value = np.where(
@@ -244,11 +246,10 @@ class ArmController:
             self._config.reach, self._config.reach_stiffness, float(self._impedance.inertia[0]),
         )  # fmt: skip
         force += felt
-        yielding = self._switch.yielding
-        if yielding.any():
+        if self._switch.anybody:
             led = self._compensation.force(np.zeros((2, 3)), -hands.place_rate)
             led += leading_force(felt, self._config.payload)
-            force = np.where(yielding[:, None], led, force)
+            force = np.where(self._switch.yielding[:, None], led, force)
         return force
 
     def _joint_acceleration(

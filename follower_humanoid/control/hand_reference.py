@@ -111,8 +111,6 @@ class HandReference:
 
     def follow(self, yielding: Mask, hands: HandMotion, posture: Array) -> None:
         """Lets go: the references of hands that are being led are where these are."""
-        if not yielding.any():
-            return
         self._free = False
         place, rate, virtual = self.place.copy(), self.rate.copy(), self.virtual.copy()
         place[yielding] = virtual[yielding] = hands.place[yielding]

@@ -177,7 +177,7 @@ NODES: dict[str, NodeWiring] = {node.name: node for node in WIRING}
 ARM_TASK = NodeWiring(
     "arm_task",
     "arm_experiment.arm_task:ArmTask",
-    inputs=_BODY_STATE,
+    inputs={"joints": "joint_states", "imu": "imu"},
     outputs={"left_target": "left_hand/target"},
 )
 _LED_ARMS = replace(
