@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import sys
 import tempfile
@@ -11,13 +10,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import rclpy
 import yaml
 from lifecycle_msgs.msg import Transition
-from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import ok, try_shutdown
 
-from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.bringup_options import VIEWER
@@ -25,9 +21,8 @@ from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
 from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
-from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.run_plan import RunPlan
-from follower_humanoid.ros.spin import StopSignal
+from follower_humanoid.ros.spin import StopSignal, start_ros
 from follower_humanoid.ros.status import StatusLine, summary_text
 from follower_humanoid.ros.transport import roomy_transport
 
@@ -57,12 +52,7 @@ class BringupRun:
             os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         arguments = self._ros_arguments()
         try:
-            try:
-                with quiet_stderr():
-                    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-            except Exception as error:  # rclpy has no common type for what it finds wrong here
-                reason = re.sub(r", at \S+", "", " ".join(str(error).split()))
-                raise ConfigurationError(f"--ros-args {' '.join(self._plan.ros_args)}: {reason}") from None
+            start_ros(arguments)
             self._director = Director()
             return self._start_and_watch(arguments)
         finally:

@@ -6,6 +6,7 @@ import ctypes
 import gc
 import math
 import os
+import re
 import signal
 import sys
 import time
@@ -23,6 +24,7 @@ from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, ManagedNode
+from follower_humanoid.ros.quiet import quiet_stderr
 
 PARENT = "FOLLOWER_HUMANOID_PARENT"
 _PR_SET_PDEATHSIG = 1
@@ -72,9 +74,9 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
     die_with_parent()
     _let_others_finish()
     stop = StopSignal()
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     nodes: list[ManagedNode] = []
     try:
+        start_ros(args)
         for make in makers:
             nodes.append(make())
             nodes[-1].when_over = stop.end
@@ -86,6 +88,21 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
         for node in nodes:
             cast(Any, node).destroy_node()
         try_shutdown()
+
+
+def start_ros(args: list[str] | None) -> None:
+    """Starts rclpy and leaves the signals to us.
+
+    Raises:
+        ConfigurationError: What follows `--ros-args` cannot be used.
+    """
+    try:
+        with quiet_stderr():
+            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # rclpy has no common type for what it finds wrong here
+        given = " ".join(sys.argv[1:] if args is None else args)
+        reason = re.sub(r", at \S+", "", " ".join(str(error).split()))
+        raise ConfigurationError(f"{given}: {reason}") from None
 
 
 def _let_others_finish() -> None:
