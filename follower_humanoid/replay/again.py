@@ -11,7 +11,8 @@ from pathlib import Path
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.errors import ConfigurationError, PhysicsError
-from follower_humanoid.graph.resimulate import Comparison, Difference, Recorded, Repetition, repeatable
+from follower_humanoid.graph.compare import Comparison, Difference
+from follower_humanoid.graph.resimulate import Recorded, Repetition, repeatable
 
 FAILED = 1
 DIFFERS = 4
