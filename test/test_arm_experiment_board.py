@@ -16,7 +16,7 @@ pytestmark = pytest.mark.timeout(300)
 
 @pytest.fixture(scope="module", params=[0.002, 0.004, 0.001], ids=["500 Hz", "250 Hz", "1000 Hz"])
 def trace(request):
-    return arm_trace(simulate_arm("board", 8.4, {"arm_task": FASTER}, tick=request.param))
+    return arm_trace(simulate_arm("board", 10.0, {"arm_task": FASTER}, tick=request.param))
 
 
 @pytest.fixture(scope="module")

@@ -40,7 +40,7 @@ class Experiment:
 
 
 EXPERIMENTS = {
-    BOARD: Experiment(BOARD, _ALWAYS, "", 18.0),
+    BOARD: Experiment(BOARD, _ALWAYS, "", 20.0),
     COMPLIANCE: Experiment(COMPLIANCE, ("leader", *_ALWAYS), "compliance", 12.0),
 }
 

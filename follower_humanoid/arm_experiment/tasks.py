@@ -23,7 +23,7 @@ class BoardTaskConfig:
     side: float = parameter(0.12, "side of the square", "m", 0.01, 0.5)
     penetration: float = parameter(0.005, "how far behind the surface the target lies", "m", 0.0005, 0.05)
     standoff: float = parameter(0.02, "distance at which the approach begins", "m", 0.005, 0.2)
-    approach_speed: float = parameter(0.03, "peak speed of approach and retreat", "m/s", 0.002, 0.5)
+    approach_speed: float = parameter(0.02, "peak speed of approach and retreat", "m/s", 0.002, 0.5)
     write_speed: float = parameter(0.1, "peak speed along a side", "m/s", 0.005, 0.5)
     rest: float = parameter(0.5, "rest after touch-down and before detaching", "s", 0.0, 10.0)
 
