@@ -20,24 +20,25 @@ from follower_humanoid.bag.writer import About, BagWriter
 ENVIRONMENT = {**os.environ, "ROS_DOMAIN_ID": str(random.randint(1, 100)), "PATH": "/usr/bin:/bin"}
 ROS2 = [sys.executable, "-m", "follower_humanoid.ros2_front.main"]
 RUN = [*ROS2, "run", "follower_humanoid"]
-DURATION = 2.0
+DURATION = 5.0  # in real time at most, so that the commands below come before its end
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run in which a person pulls, lets go, and has the robot put back on its feet."""
     folder = tmp_path_factory.mktemp("pull") / "bag"
-    words = ["bringup", "--leader", "none", "--composed", "--duration", str(DURATION), "--bag", str(folder)]
+    words = ["bringup", "--leader", "none", "--composed", "--realtime", "--duration", str(DURATION)]
+    words += ["--bag", str(folder)]
     with subprocess.Popen([*RUN, *words], env=ENVIRONMENT, stdout=subprocess.DEVNULL) as bringup:
         pull = [
             *ROS2, "topic", "pub", "-r", "20", "-w", "2", "/leader/left_hand/wrench",
             "geometry_msgs/msg/WrenchStamped", "{wrench: {force: {x: 5.0}}}",
         ]  # fmt: skip
         with subprocess.Popen(pull, env=ENVIRONMENT, stdout=subprocess.DEVNULL) as person:
-            wait_for_time(bringup, 0.8)
+            wait_for_time(bringup, 0.5)
             reset = [*ROS2, "service", "call", "/reset", "std_srvs/srv/Trigger"]
             done = subprocess.run(reset, env=ENVIRONMENT, capture_output=True, text=True, check=False)
-            bringup.wait(120.0)
+            bringup.wait(200.0)
             person.send_signal(signal.SIGINT)
             assert person.wait(10.0) == 0
     assert "success=True" in done.stdout, done.stdout + done.stderr
