@@ -182,9 +182,9 @@ class Simulator:
             if group >= self._commanded:
                 drives.receive(command)
             drives.write(plant.q[7:], plant.v[6:], self._voltage)
-        grips = self._grips(inputs)
-        pulls: tuple[Pull, ...] = ()
         self._applied.fill(0.0)
+        # Turned into world once: what is noted as applied is then exactly what acts in every step.
+        held = tuple(self._pull(*grip) for grip in self._grips(inputs))
         sensors.clear()
         if self._board is not None:
             self._board.clear()
@@ -192,14 +192,10 @@ class Simulator:
             for drives in self._drives:
                 if step > 0 and drives.holding:
                     drives.write(plant.q[7:], plant.v[6:], self._voltage)
-            if grips:
-                pulls = tuple(self._pull(*grip) for grip in grips)
-            if self._board is not None:
-                pulls = (*(pulls if grips else ()), *self._board.pulls())
+            pulls = held if self._board is None else (*held, *self._board.pulls())
             sensors.before_step()
             plant.step(self._voltage, pulls)
             sensors.after_step(pulls)
-        self._applied /= self._steps
         self._count_tick()
         if self.fall is None:
             self.fall = self._falls.look(plant)
