@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 
 class FollowerError(Exception):
     """Base class of every error this package raises on purpose."""
@@ -14,8 +16,8 @@ class ConfigurationError(FollowerError):
 class UnknownNameError(ConfigurationError):
     """A name that does not exist; the message lists the valid ones."""
 
-    def __init__(self, kind: str, name: str, valid: object) -> None:
-        listed = ", ".join(sorted(str(v) for v in valid))  # type: ignore[attr-defined]
+    def __init__(self, kind: str, name: str, valid: Iterable[object]) -> None:
+        listed = ", ".join(sorted(str(v) for v in valid))
         super().__init__(f"no {kind} '{name}'; valid: {listed}")
 
 
