@@ -233,14 +233,15 @@ print(asked.result().message)
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
 def test_a_reset_begins_everything_anew_while_time_goes_on(place, placement):
     bag = place / f"reset{len(placement)}"
-    options = ("--leader", "none", "--duration", "1.2", "--bag", str(bag))
+    # Long enough, and never faster than real time, so that the run still goes on when the asker has started.
+    options = ("--leader", "none", "--duration", "5", "--realtime", "--bag", str(bag))
     with bringup(place, *options, *placement) as running:
         running.wait_until_it_runs()
         assert script(RESET, running.environment).wait(PATIENCE) == 0
         assert running.wait() == 0, running.complained
     position = recorded(bag)["joint_states"].position
-    assert len(position) == 601
-    again = [tick for tick in range(5, 601) if (position[tick] == position[0]).all()]
+    assert len(position) == 2501
+    again = [tick for tick in range(5, 2501) if (position[tick] == position[0]).all()]
     assert len(again) == 1
     rest = position[again[0] :]
     both = min(len(rest), again[0])
