@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import sys
@@ -44,6 +45,7 @@ class BringupRun:
         self._folder = Path(tempfile.mkdtemp(prefix="follower_humanoid_"))
         self._crew = Crew(roomy_transport(self._folder))
         self._director: Director
+        self._active_since = math.inf  # from then on a sign of life is due
 
     def run(self) -> int:
         """Runs to the end; returns the exit status."""
@@ -77,6 +79,7 @@ class BringupRun:
         parameters.write_text(plan.parameter_file(director.namespace), encoding="utf-8")
         self._start_processes([*arguments, "--params-file", str(parameters)])
         end = self._lead_to_activity()
+        self._active_since = time.monotonic()
         while end is None:
             director.spin(0.05)
             self._line.show(director.values)
@@ -162,9 +165,9 @@ class BringupRun:
         return next((m.process.returncode for m in self._crew.members if m.name == RECORDER), None)
 
     def _silent_nodes(self) -> Iterator[str]:
-        now = time.monotonic()
+        now, heard = time.monotonic(), self._director.heard_at
         return (
-            name for name in self._plan.nodes if now - self._director.heard_at.get(name, now) > _SILENT
+            name for name in self._plan.nodes if now - heard.get(name, self._active_since) > _SILENT
         )
 
     def _say(self, text: str) -> None:
