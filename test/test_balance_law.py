@@ -16,9 +16,9 @@ from follower_humanoid.balance.dcm_law import (
     measured_dcm,
 )
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
-from follower_humanoid.balance.swing_momentum import MomentumConfig, MomentumRate
 from follower_humanoid.core.samples import Array, Wrench
 from follower_humanoid.gait.pendulum import momentum_shift, natural_frequency
+from follower_humanoid.gait.swing_momentum import MomentumConfig, MomentumRate
 from follower_humanoid.robot.model import GRAVITY
 
 MASS, HEIGHT, DT = 73.0, 0.85, 0.001

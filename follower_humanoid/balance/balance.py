@@ -12,7 +12,6 @@ from follower_humanoid.balance.com_offset import ComOffset, OffsetConfig
 from follower_humanoid.balance.dcm_law import CenterState, DcmConfig, desired_force, desired_zmp, measured_dcm
 from follower_humanoid.balance.foot_wrenches import FootShares, SoleConfig, foot_wrench, share_feet
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
-from follower_humanoid.balance.swing_momentum import MomentumConfig, MomentumRate
 from follower_humanoid.balance.zmp import SolePlace, ZmpConfig, convex_hull, measured_zmp
 from follower_humanoid.balance.zmp_watch import ZmpWatch
 from follower_humanoid.core.config import parameter
@@ -28,6 +27,7 @@ from follower_humanoid.core.samples import (
     Wrench,
 )
 from follower_humanoid.gait.pendulum import momentum_shift, natural_frequency
+from follower_humanoid.gait.swing_momentum import MomentumConfig, MomentumRate
 from follower_humanoid.robot.model import RobotModel
 
 LAWS = ("dcm",)

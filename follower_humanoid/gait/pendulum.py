@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from follower_humanoid.core.samples import Array
+from follower_humanoid.gait.swing_momentum import MomentumConfig, MomentumRate
 from follower_humanoid.robot.model import GRAVITY
 
-MOMENTUM_FILTER_TIME = 0.01  # [s]
-LARGEST_SHIFT = 0.3  # of the ZMP by a change of angular momentum [m]
+MOMENTUM = MomentumConfig(limit=0.3, filter_time=0.01)  # largest shift of the ZMP by λ̇ [m], low-pass [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +51,7 @@ class ReferencePendulum:
             convergence: Decay rate k of the gap to the plan [1/s].
         """
         self._convergence = convergence
-        self._momentum: Array = np.zeros(2)
-        self._smooth_momentum_rate: Array = np.zeros(2)
+        self._momentum_rate = MomentumRate(MOMENTUM, start=np.zeros(2))
         self.state = PendulumState(np.array(com), np.zeros(2), np.array(com), np.array(com))
 
     def take_over(self, dcm: Array) -> None:
@@ -77,7 +76,7 @@ class ReferencePendulum:
             dt: Tick [s].
         """
         old = self.state
-        rate = self._momentum_rate(momentum, dt)
+        rate = self._momentum_rate.step(momentum, dt)
         shift = (1.0 + self._convergence / omega) * (old.dcm - dcm_plan + omega * momentum)
         distance = math.hypot(shift[0], shift[1])
         if distance > reach:
@@ -91,16 +90,6 @@ class ReferencePendulum:
         com = pivot + cosh * (old.com - pivot) + sinh * (old.dcm - old.com)
         self.state = PendulumState(com, omega * (dcm - com), dcm, zmp)
         return self.state
-
-    def _momentum_rate(self, momentum: Array, dt: float) -> Array:
-        """λ̇ behind a low-pass: touchdown ends swings abruptly [m]."""
-        share = 1.0 - math.exp(-dt / MOMENTUM_FILTER_TIME)
-        self._smooth_momentum_rate = self._smooth_momentum_rate + share * (
-            np.clip((momentum - self._momentum) / dt, -LARGEST_SHIFT, LARGEST_SHIFT)
-            - self._smooth_momentum_rate
-        )
-        self._momentum = momentum
-        return self._smooth_momentum_rate
 
 
 def momentum_shift(angular_momentum: Array, mass: float) -> Array:

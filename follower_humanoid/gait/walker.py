@@ -138,7 +138,7 @@ class Walker:
         if self._waits(half, steady, dt):
             self._share_load(None, math.inf, dt)
             return None
-        context = self._context(half.stance, self.landing, gait, loads, half)
+        context = self._context(half.stance, self.landing, gait, loads)
         ended = half.advance(context, self.zmp, self._duration(), dt)
         self._share_load(half.swing.side, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
@@ -186,7 +186,7 @@ class Walker:
         if half is None or self.landing is None:
             return Plan([(self._rest_point(feet), max(self._stand_remaining, 1e-3))])
         duration = self._duration()
-        context = self._context(half.stance, self.landing, gait, {}, None)
+        context = self._context(half.stance, self.landing, gait, {})
         transfer, swing = half.zmp_plan(context, duration)
         legs = transfer + swing
         landing = len(legs)
@@ -198,7 +198,7 @@ class Walker:
             closing = gait.walk_speed == 0.0
             stance = coming[-1]
             place = self._landing(stance, gait)
-            context = self._context(stance, place, gait, {}, None)
+            context = self._context(stance, place, gait, {})
             for phase in self._sequence.phases:
                 if phase.single_support and lifting is None:
                     lift_off, lifting = len(legs), feet[place.side]
@@ -281,7 +281,7 @@ class Walker:
         return midpoint(feet[Side.LEFT], feet[Side.RIGHT], self._config.stand_forward)
 
     def _context(
-        self, stance: FootPose, landing: FootPose, gait: Gait, loads: dict[Side, float], half: HalfStep | None
+        self, stance: FootPose, landing: FootPose, gait: Gait, loads: dict[Side, float]
     ) -> StepContext:
         return StepContext(
             stance=stance, landing=landing, gait=gait, swing_height=self._config.swing_height,

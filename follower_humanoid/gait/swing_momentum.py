@@ -20,24 +20,26 @@ class MomentumConfig:
 
 
 class MomentumRate:
-    """L̇ about the CoM from one tick to the next, limited and low-passed."""
+    """L̇ about the CoM from one tick to the next, limited and low-passed; likewise λ̇ for λ of the pendulum."""
 
-    def __init__(self, config: MomentumConfig) -> None:
+    def __init__(self, config: MomentumConfig, start: Array | None = None) -> None:
+        """Args: limit and filter, and the momentum before the first step; None: not known, so no rate yet."""
         self._config = config
-        self._last: Array | None = None
-        self._rate: Array = np.zeros(3)
+        self._last = start
+        self._rate: Array | None = None
 
     def step(self, momentum: Array, dt: float) -> Array:
-        """L̇ in world, shape (3,) [N·m].
+        """Its rate, same shape as the momentum, in its unit per second.
 
         Args:
-            momentum: L of the reference about its CoM in world, shape (3,) [kg·m²/s].
+            momentum: L of the reference about its CoM in world, shape (3,) [kg·m²/s], or λ, shape (2,) [m·s].
             dt: Tick [s].
         """
+        rate_now = np.zeros_like(momentum) if self._rate is None else self._rate
         if self._last is not None:
             limit = self._config.limit
             rate = np.clip((momentum - self._last) / dt, -limit, limit)
             share = 1.0 - math.exp(-dt / self._config.filter_time)
-            self._rate = self._rate + share * (rate - self._rate)
-        self._last = momentum
-        return self._rate
+            rate_now = rate_now + share * (rate - rate_now)
+        self._last, self._rate = momentum, rate_now
+        return rate_now
