@@ -18,6 +18,7 @@ HANDOVER = runpy.run_path(str(HERE / NAME / "ros2_front" / "handover.py"))
 PYTHON_REQUIREMENTS = [
     "matplotlib",
     "mcap",
+    "numba>=0.60",
     "numpy",
     "pin>=3.1",
     "pybullet>=3.2.7",  # earlier ones double the torques of the wrist sensors
