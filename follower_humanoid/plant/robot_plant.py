@@ -56,6 +56,23 @@ class Pull:
     torque: Array
 
 
+@dataclass(frozen=True)
+class _HeldPoint:
+    """Where wrenches on one frame act.
+
+    Attributes:
+        joint: Pinocchio joint that carries the frame.
+        pose: That joint in world: a view of Pinocchio's memory, which follows its algorithms.
+        offset: Origin of the frame in the joint's frame, shape (3,) [m].
+        columns: Columns of the Jacobian that move the joint.
+    """
+
+    joint: int
+    pose: pin.SE3
+    offset: Array
+    columns: Indices
+
+
 class RobotPlant:
     """State and forces of one robot.
 
@@ -91,6 +108,7 @@ class RobotPlant:
         # Views of Pinocchio's memory: they follow its algorithms.
         self._mass_matrix: Array = self.data.M
         self._world_jacobian: Array = self.data.J
+        self._held_points: dict[int, _HeldPoint] = {}
         self._posture, self._stiffness = posture, soles.stiffness
         self.soles = Soles(soles, robot, self.data, world.ground, self._step)
         self.stops = Stops(stops, robot.lower, robot.upper, self._step)
@@ -188,15 +206,29 @@ class RobotPlant:
 
     def _add_pull(self, pull: Pull, forces: Array) -> Array:
         """Adds a wrench to the generalised forces, shape (51,); returns where it acts in world."""
-        frame = self.model.frames[pull.frame]
-        place: Array = self.data.oMi[frame.parentJoint].act(frame.placement.translation)
+        point = self._held_point(pull.frame)
+        place: Array = point.pose.act(point.offset)
         about_origin = np.concatenate((pull.force, cross(place, pull.force) + pull.torque))
-        for joint in self.model.supports[frame.parentJoint]:
-            if joint > 0:
-                first = self.model.joints[joint].idx_v
-                columns = slice(first, first + self.model.joints[joint].nv)
-                forces[columns] += about_origin @ self._world_jacobian[:, columns]
+        forces[point.columns] += about_origin @ self._world_jacobian[:, point.columns]
         return place
+
+    def _held_point(self, frame: int) -> _HeldPoint:
+        """What the model says about a frame; looked up once."""
+        if frame not in self._held_points:
+            info = self.model.frames[frame]
+            supports = [joint for joint in self.model.supports[info.parentJoint] if joint > 0]
+            columns = [
+                self.model.joints[joint].idx_v + n
+                for joint in supports
+                for n in range(self.model.joints[joint].nv)
+            ]
+            self._held_points[frame] = _HeldPoint(
+                int(info.parentJoint),
+                self.data.oMi[info.parentJoint],
+                info.placement.translation.copy(),
+                np.array(columns, dtype=np.intp),
+            )
+        return self._held_points[frame]
 
     def _apply(self, pulls: tuple[Pull, ...], places: list[Array]) -> None:
         torque = self.effort + self.stops.torque if self.stops.active else self.effort
@@ -207,7 +239,7 @@ class RobotPlant:
                 if force[2] > 0.0:
                     self.bullet.push(joint, force, point)
         for pull, place in zip(pulls, places, strict=True):
-            joint = self.model.frames[pull.frame].parentJoint
+            joint = self._held_point(pull.frame).joint
             self.bullet.push(joint, pull.force.tolist(), place.tolist())
             self.bullet.twist(joint, pull.torque.tolist())
 
