@@ -10,11 +10,11 @@ from rclpy.context import Context
 from rclpy.parameter import Parameter
 
 from follower_humanoid.core.topics import READERS, TOPICS
+from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, WIRING, used_tick
 from follower_humanoid.ros.barrier import RESET
 from follower_humanoid.ros.component_node import ComponentNode
 from follower_humanoid.ros.formats import PEOPLE
-from follower_humanoid.ros.lockstep import CLOCK
 from follower_humanoid.ros.lockstep_node import ABSENT
 from follower_humanoid.ros.people import copy_of
 from follower_humanoid.ros.simulator_node import SimulatorNode

@@ -19,8 +19,8 @@ ALLOWED: dict[str, set[str]] = {
     "plant": set(),  # nor may the controllers import it: what the plant knows is not for them
     "leader": set(),
     **dict.fromkeys(CHAIN, CHAIN),
-    "bag": {"graph", "ros"},
-    "graph": {"bag", "ros"},
+    "bag": {"graph"},
+    "graph": {"bag"},
 }
 
 

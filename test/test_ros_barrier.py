@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from std_msgs.msg import String
 
+from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.ros.barrier import RollCall, expected_readers, reset_known
-from follower_humanoid.ros.lockstep import CLOCK
 from follower_humanoid.ros.qos import LOCKSTEP
 
 

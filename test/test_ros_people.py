@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from follower_humanoid.core.samples import Wrench
+from follower_humanoid.graph.graph_config import RunConfig
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.codecs import Codec
-from follower_humanoid.ros.graph_config import RunConfig
 from follower_humanoid.ros.people import PeopleWrench
 
 TICK = 2_000_000

@@ -11,9 +11,9 @@ from typing import NoReturn
 from follower_humanoid.arm_experiment.checks import check_experiment
 from follower_humanoid.arm_experiment.experiments import EXPERIMENTS, Experiment, experiment
 from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.graph.graph_config import LEADER, RECORDER
 from follower_humanoid.graph.wiring import ARM_TASK, NODES
 from follower_humanoid.ros.bringup_options import NONE, parse, split_ros_args
-from follower_humanoid.ros.graph_config import LEADER, RECORDER
 from follower_humanoid.ros.run_plan import RunPlan, make_plan
 
 PROGRAM = "arm_experiment"

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from follower_humanoid.bag.recorder import RecorderConfig
 from follower_humanoid.core.config import ParameterInfo, parameter, parameters_of
+from follower_humanoid.graph.graph_config import RECORDER, GraphConfig, shared_config_classes
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, node_wiring
-from follower_humanoid.ros.graph_config import RECORDER, GraphConfig, shared_config_classes
 
 
 @dataclass(frozen=True)

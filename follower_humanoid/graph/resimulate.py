@@ -24,11 +24,11 @@ from follower_humanoid.bag.about import VERSIONS, versions
 from follower_humanoid.core.config import parameters_of
 from follower_humanoid.core.samples import Wrench
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
+from follower_humanoid.graph.graph_config import LEADER
 from follower_humanoid.graph.node_configs import node_parameters
 from follower_humanoid.graph.record import Run, RunRecorder, Series
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, NodeWiring, nodes_with
-from follower_humanoid.ros.graph_config import LEADER
 
 PARAMETERS = "parameters.yaml"
 _KEY = "ros__parameters"

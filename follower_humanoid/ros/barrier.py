@@ -15,9 +15,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 from std_msgs.msg import String
 
+from follower_humanoid.graph.graph_config import RECORDER
+from follower_humanoid.graph.lockstep import CLOCK, hears_clock
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
-from follower_humanoid.ros.graph_config import RECORDER
-from follower_humanoid.ros.lockstep import CLOCK, hears_clock
 from follower_humanoid.ros.qos import LATCHED
 
 READY = "graph/ready"

@@ -15,12 +15,12 @@ import yaml
 from lifecycle_msgs.msg import Transition
 from rclpy.utilities import ok, try_shutdown
 
+from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.bringup_options import VIEWER
 from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
-from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
 from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.spin import StopSignal, start_ros

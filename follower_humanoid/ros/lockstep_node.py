@@ -10,12 +10,12 @@ from typing import Any
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
+from follower_humanoid.graph.lockstep import CLOCK, STALE, LockStep
 from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, NodeWiring, node_wiring, nodes_with
 from follower_humanoid.ros.barrier import RESET, Announcer, Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import NANOSECONDS, Codec, stamp_of
 from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
-from follower_humanoid.ros.lockstep import CLOCK, STALE, LockStep
 from follower_humanoid.ros.managed_node import ManagedNode, Rate
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.people import copy_of

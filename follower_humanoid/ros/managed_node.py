@@ -12,8 +12,8 @@ from rclpy.clock_type import ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.graph.graph_config import GraphConfig
 from follower_humanoid.ros.codecs import NANOSECONDS
-from follower_humanoid.ros.graph_config import GraphConfig
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.qos import DIAGNOSTICS
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.crew import Member, how_it_ended
-from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, FAILED
 
 ENDED, EXIT_STATUS = "ended", "exit_status"

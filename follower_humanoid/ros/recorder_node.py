@@ -26,9 +26,9 @@ from follower_humanoid.bag.recorder import (
     recorded_topics,
 )
 from follower_humanoid.bag.writer import BagWriter
+from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import PRODUCER
 from follower_humanoid.ros.barrier import Announcer
-from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.managed_node import FAILED, ManagedNode
 from follower_humanoid.ros.parameters import declare
 

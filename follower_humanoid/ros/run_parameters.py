@@ -9,9 +9,9 @@ from typing import Any
 
 from follower_humanoid.core.yaml_file import read_value, read_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
+from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import ARM_TASK, NODES
 from follower_humanoid.resources import share_path
-from follower_humanoid.ros.graph_config import RECORDER
 from follower_humanoid.ros.quiet import quiet_stderr
 
 KEY = "ros__parameters"

@@ -9,10 +9,10 @@ from typing import Any
 
 import yaml
 
+from follower_humanoid.graph.graph_config import LEADER, RECORDER
 from follower_humanoid.graph.wiring import NODES, SIMULATOR
 from follower_humanoid.resources import share_path
 from follower_humanoid.ros.bringup_options import NONE, Options, bag_folder
-from follower_humanoid.ros.graph_config import LEADER, RECORDER
 from follower_humanoid.ros.run_files import check_files
 from follower_humanoid.ros.run_parameters import (
     KEY,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from follower_humanoid.core.samples import Array
+from follower_humanoid.graph.graph_config import RunConfig
 from follower_humanoid.robot.model import GRAVITY, RobotModel
-from follower_humanoid.ros.graph_config import RunConfig
 
 AFTER_FALL = 1.0
 _STILL = 1.0  # s without motion

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from follower_humanoid.graph.lockstep import CLOCK, LockStep
 from follower_humanoid.graph.wiring import NODES, PRODUCER, WIRING, used_tick
-from follower_humanoid.ros.lockstep import CLOCK, LockStep
 
 EVERYONE = frozenset(NODES)
 

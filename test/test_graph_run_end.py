@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from follower_humanoid.graph.graph_config import RunConfig
+from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.robot.model import RobotModel
-from follower_humanoid.ros.graph_config import RunConfig
-from follower_humanoid.ros.run_end import RunEnd
 
 ROBOT = RobotModel()
 BOTH = (np.array([0.0, 0.0, 300.0]), np.array([0.0, 0.0, 320.0]))
