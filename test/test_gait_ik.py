@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -23,12 +24,10 @@ def ik() -> DifferentialIk:
 def holding(ik: DifferentialIk) -> tuple[dict[Side, FootTask], BodyTask]:
     """Tasks that ask for what is."""
     feet = {
-        side: FootTask(
-            ik.sole(side).translation.copy(), ik.sole(side).rotation.copy(), np.zeros(3), np.zeros(3)
-        )
+        side: FootTask(ik.soles[side][3].copy(), ik.soles[side][:3].T.copy(), np.zeros(3), np.zeros(3))
         for side in SIDES
     }
-    rotation = pin.Quaternion(ik.q[3:7]).matrix()
+    rotation = ik.base[:3].T.copy()
     return feet, BodyTask(ik.com[:2], np.zeros(2), float(ik.q[2]), 0.0, rotation, np.zeros(3))
 
 
@@ -147,7 +146,7 @@ def test_errors_of_place_decay_at_the_chosen_gain() -> None:
     for _ in range(250):
         ik.advance(feet, body, np.zeros(45), DT)
     t = 0.5
-    assert feet[Side.LEFT].position[2] - ik.sole(Side.LEFT).translation[2] == pytest.approx(
+    assert feet[Side.LEFT].position[2] - ik.soles[Side.LEFT][3][2] == pytest.approx(
         0.02 * np.exp(-5.0 * t), rel=0.05
     )
     assert ik.q[2] - height == pytest.approx(0.02 * np.exp(-2.0 * t), rel=0.05)
@@ -160,9 +159,9 @@ def test_correction_speed_of_a_foot_is_bounded(ik: DifferentialIk) -> None:
     feet[Side.RIGHT] = FootTask(
         far.position + np.array([0.0, 0.0, 0.2]), far.rotation, np.zeros(3), np.zeros(3)
     )
-    before = ik.sole(Side.RIGHT).translation.copy()
+    before = ik.soles[Side.RIGHT][3].copy()
     ik.advance(feet, body, np.zeros(45), DT)
-    speed = (ik.sole(Side.RIGHT).translation - before) / DT
+    speed = (ik.soles[Side.RIGHT][3] - before) / DT
     assert speed[2] == pytest.approx(IkConfig().foot_speed, rel=0.02)
 
 
@@ -190,6 +189,20 @@ def test_with_more_damping_even_an_impossible_height_does_no_harm() -> None:
         ik.advance(feet, raised(body, 0.95), np.zeros(45), DT)
         assert np.abs(ik.v).max() < 20.0
         assert knees(ik).min() > 0.0
+
+
+def test_a_copy_goes_its_own_way(ik: DifferentialIk) -> None:
+    rng = np.random.default_rng(10)
+    feet, body = moving(ik, rng)
+    ik.advance(feet, body, np.zeros(45), DT)
+    twin, place = copy.deepcopy(ik), ik.soles[Side.LEFT].copy()
+    for _ in range(3):
+        twin.advance(feet, body, np.zeros(45), DT)
+    np.testing.assert_array_equal(ik.soles[Side.LEFT], place)
+    for _ in range(3):
+        ik.advance(feet, body, np.zeros(45), DT)
+    np.testing.assert_array_equal(twin.q, ik.q)
+    np.testing.assert_array_equal(twin.angular_momentum, ik.angular_momentum)
 
 
 def test_left_and_right_are_mirror_images(ik: DifferentialIk) -> None:

@@ -63,11 +63,11 @@ class ComOffset:
             motion = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             tasks[side] = FootTask(
                 np.array(place.translation),
-                np.array(place.rotation),
+                np.array(place.rotation, order="C"),
                 np.array(motion.linear),
                 np.array(motion.angular),
             )
-        rotation = np.array(data.oMi[1].rotation)
+        rotation = np.array(data.oMi[1].rotation, order="C")
         body = BodyTask(
             com=com + self._offset, com_velocity=velocity + rate,
             pelvis_height=float(q[2]), pelvis_height_velocity=float(rotation[2] @ v[:3]),

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, Side
-from follower_humanoid.robot.linear import solve_positive
-from follower_humanoid.robot.model import BASE_DOF, RobotModel
+from follower_humanoid.gait.ik_kernels import body_rates, foot_rates, solve_velocities
+from follower_humanoid.robot.model import BASE_DOF, Indices, RobotModel
+from follower_humanoid.robot.pose_table import pose_table
 
 LEG_IK_JOINTS = 6  # hip yaw to ankle roll; the toe is a channel of its own
+BASE_JOINT = 1  # Pinocchio's joint 0 is the universe
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class FootTask:
 
     Attributes:
         position: Sole origin, shape (3,) [m].
-        rotation: Sole to world, shape (3, 3).
+        rotation: Sole to world, shape (3, 3), C-contiguous.
         linear_velocity: Shape (3,) [m/s].
         angular_velocity: Shape (3,) [rad/s].
     """
@@ -54,7 +57,7 @@ class BodyTask:
         com_velocity: Shape (2,) [m/s].
         pelvis_height: Of `base_link` [m].
         pelvis_height_velocity: [m/s].
-        pelvis_rotation: base_link to world, shape (3, 3).
+        pelvis_rotation: base_link to world, shape (3, 3), C-contiguous.
         pelvis_angular_velocity: Shape (3,) [rad/s].
     """
 
@@ -75,47 +78,66 @@ class DifferentialIk:
     Attributes:
         q: Reference configuration, shape (52,).
         v: Reference velocity, shape (51,).
+        soles: Axes and origin of either sole of the reference in world, shape (4, 3), as in `pose_table`.
+        base: The same of `base_link`.
     """
 
     def __init__(self, robot: RobotModel, config: IkConfig, q: Array) -> None:
+        self._robot = robot
         self._model = robot.pin_model
-        self._data = self._model.createData()
+        self._data = data = self._model.createData()
         self._config = config
-        self._soles = {side: robot.frame_id(f"{side.prefix}_sole") for side in SIDES}
+        self._mass = robot.mass
+        self._sole_frames = [robot.frame_id(f"{side.prefix}_sole") for side in SIDES]
+        self._left_joints, self._right_joints = (self._moving(frame) for frame in self._sole_frames)
         legs = [robot.groups.leg(side)[:LEG_IK_JOINTS] for side in SIDES]
         self._unknowns = np.concatenate((np.arange(BASE_DOF), *(BASE_DOF + leg for leg in legs)))
         self._knees = [BASE_DOF + 1 + robot.joint_index(f"{side.prefix}_knee") for side in SIDES]
         self.q: Array = np.array(q)
         self.v: Array = np.zeros(self._model.nv)
-        self._jacobian = np.zeros((18, 18))
-        self._rates = np.zeros(18)
+        self._rates = np.zeros(len(self._unknowns))
+        # Views of Pinocchio's memory: they follow every update.
+        frames = pose_table(data.oMf)
+        self.soles = {side: frames[frame] for side, frame in zip(SIDES, self._sole_frames, strict=True)}
+        self.base = pose_table(data.oMi)[BASE_JOINT]
+        self._com, self._momentum = data.com[0], data.hg.angular
+        self._jacobian, self._momentum_matrix = data.J, data.Ag
         self.update()
 
+    def _moving(self, frame: int) -> Indices:
+        """Indices into v of all that moves a frame."""
+        supports = self._model.supports[self._model.frames[frame].parentJoint]
+        spans = ((self._model.idx_vs[joint], self._model.nvs[joint]) for joint in supports if joint > 0)
+        return np.concatenate([np.arange(first, first + size) for first, size in spans])
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> DifferentialIk:
+        """A copy of its own: copied views would no longer follow Pinocchio's memory."""
+        twin = DifferentialIk(self._robot, self._config, self.q)
+        twin.v = self.v.copy()
+        twin.update()
+        memo[id(self)] = twin
+        return twin
+
     def update(self) -> None:
-        """Kinematics of the present reference configuration."""
-        pin.computeJointJacobians(self._model, self._data, self.q)
-        for frame in self._soles.values():
+        """Kinematics of the present reference configuration, all in one pass."""
+        pin.ccrba(self._model, self._data, self.q, self.v)
+        for frame in self._sole_frames:
             pin.updateFramePlacement(self._model, self._data, frame)
-        self._com_jacobian = pin.jacobianCenterOfMass(self._model, self._data, False)
 
     @property
     def com(self) -> Array:
         """CoM of the reference in world, shape (3,) [m]."""
-        return np.array(self._data.com[0])
+        return np.array(self._com)
 
     @property
     def angular_momentum(self) -> Array:
         """Angular momentum of the reference motion about its CoM in world, shape (3,) [kg·m²/s]."""
-        return np.array(pin.computeCentroidalMomentum(self._model, self._data, self.q, self.v).angular)
-
-    def sole(self, side: Side) -> pin.SE3:
-        """Pose of a sole of the reference in world."""
-        return self._data.oMf[self._soles[side]]
+        return np.array(self._momentum)
 
     def _damping(self) -> float:
         """λ: small, and growing as a knee comes near its straight, singular posture."""
         config = self._config
-        straightest = float(np.min(np.abs(self.q[self._knees])))
+        straightest = min(abs(float(self.q[knee])) for knee in self._knees)
         near = max(0.0, 1.0 - straightest / max(config.singular_knee, 1e-9))
         return config.damping + near**2 * (config.singular_damping - config.damping)
 
@@ -128,35 +150,21 @@ class DifferentialIk:
             given: Velocities of all joints, shape (45,) [rad/s]; those of the IK's leg joints are ignored.
             dt: Tick [s].
         """
-        config, rates, jacobian = self._config, self._rates, self._jacobian
-        v = np.zeros(self._model.nv)
-        v[BASE_DOF:] = given
-        v[self._unknowns] = 0.0
+        config, rates = self._config, self._rates
         for row, side in zip((0, 6), SIDES, strict=True):
-            task, now = feet[side], self._data.oMf[self._soles[side]]
-            full = pin.getFrameJacobian(
-                self._model, self._data, self._soles[side], pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )
-            jacobian[row : row + 6] = full[:, self._unknowns]
-            pull = config.foot_gain * (task.position - now.translation)
-            rates[row : row + 3] = task.linear_velocity + np.clip(pull, -config.foot_speed, config.foot_speed)
-            turn = pin.log3(task.rotation @ now.rotation.T)
-            rates[row + 3 : row + 6] = task.angular_velocity + config.foot_gain * turn
-            rates[row : row + 6] -= full @ v
-        jacobian[12:14] = self._com_jacobian[:2, self._unknowns]
-        rates[12:14] = body.com_velocity + config.com_gain * (body.com - self._data.com[0][:2])
-        rates[12:14] -= self._com_jacobian[:2] @ v
-        # The twist of the base is in base_link axes; rows of the rotation take it to world.
-        rotation = self._data.oMi[1].rotation
-        jacobian[14:18] = 0.0
-        jacobian[14, :3] = rotation[2]
-        rates[14] = body.pelvis_height_velocity + config.pelvis_gain * (body.pelvis_height - self.q[2])
-        jacobian[15:18, 3:6] = rotation
-        turn = pin.log3(body.pelvis_rotation @ rotation.T)
-        rates[15:18] = body.pelvis_angular_velocity + config.pelvis_gain * turn
-        normal = jacobian @ jacobian.T
-        normal[np.diag_indices(18)] += self._damping() ** 2
-        v[self._unknowns] = jacobian.T @ solve_positive(normal, rates)
-        self.v = v
-        self.q = pin.integrate(self._model, self.q, v * dt)
+            task = feet[side]
+            foot_rates(
+                task.position, task.rotation, task.linear_velocity, task.angular_velocity,
+                self.soles[side], config.foot_gain, config.foot_speed, rates[row : row + 6],
+            )  # fmt: skip
+        body_rates(
+            body.com, body.com_velocity, body.pelvis_height, body.pelvis_height_velocity,
+            body.pelvis_rotation, body.pelvis_angular_velocity,
+            self._com, self.base, config.com_gain, config.pelvis_gain, rates[12:],
+        )  # fmt: skip
+        self.v = solve_velocities(
+            self._jacobian, self._momentum_matrix, self._mass, self.soles[Side.LEFT], self.soles[Side.RIGHT],
+            self.base, self._left_joints, self._right_joints, self._unknowns, given, rates, self._damping(),
+        )  # fmt: skip
+        self.q = pin.integrate(self._model, self.q, self.v * dt)
         self.update()

@@ -93,7 +93,7 @@ class ReferenceBody:
             com = com_after(walker.zmp.position, pendulum.com, pendulum.dcm, ahead, later, omega, horizon)
             return com - pendulum.com
 
-        reaches = [self._reach(self.ik.sole(side).translation, side, np.zeros(2)) for side in SIDES]
+        reaches = [self._reach(self.ik.soles[side][3], side, np.zeros(2)) for side in SIDES]
         if plan.footsteps:
             shift, landing = shift_after(plan.landing), plan.footsteps[0]
             reaches.append(self._planned_reach(landing, shift))
