@@ -34,9 +34,7 @@ class SensorConfig:
         _ZERO, "right wrist force bias", "N", -100.0, 100.0
     )
     gyro_noise: float = parameter(0.0, "gyroscope noise", "rad/s", 0.0, 10.0)
-    gyro_bias: tuple[float, float, float] = parameter(
-        _ZERO, "gyroscope bias", "rad/s", -1.0, 1.0
-    )
+    gyro_bias: tuple[float, float, float] = parameter(_ZERO, "gyroscope bias", "rad/s", -1.0, 1.0)
     accelerometer_noise: float = parameter(0.0, "accelerometer noise", "m/s²", 0.0, 100.0)
     accelerometer_bias: tuple[float, float, float] = parameter(
         _ZERO, "accelerometer bias", "m/s²", -10.0, 10.0
@@ -102,7 +100,7 @@ class Sensors:
         """Adds one physics step and what people did in it."""
         plant = self._plant
         if plant.soles.touching:
-            self._feet += plant.soles.wrenches_about_origin()
+            plant.soles.add_wrenches_to(self._feet)
         lifted = plant.base_acceleration.copy()
         lifted[2] += GRAVITY
         self._specific_force += lifted @ self._rotation
