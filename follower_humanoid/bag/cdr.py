@@ -164,6 +164,7 @@ def decode_batch(messages: Sequence[bytes], walk: Walk) -> list[Batch]:
     by_length: dict[int, list[int]] = {}
     for row, data in enumerate(messages):
         by_length.setdefault(len(data), []).append(row)
+    by_length.pop(0, None)
     for length, rows in by_length.items():
         remaining = np.array(rows, dtype=np.intp)
         table = np.frombuffer(b"".join(messages[row] for row in rows), np.uint8).reshape(-1, length)

@@ -15,9 +15,9 @@ from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
 
 from follower_humanoid.bag.mcap_writer import MAGIC
+from follower_humanoid.bag.unpacking import Unpacker
 from follower_humanoid.errors import ConfigurationError
 
 _FRAME = struct.Struct("<BQ")
@@ -25,6 +25,7 @@ _MESSAGE = struct.Struct("<HIQQ")
 _BROKEN = (
     McapError,
     EndOfFile,
+    EOFError,
     struct.error,
     UnicodeDecodeError,
     zstandard.ZstdError,
@@ -79,6 +80,7 @@ class McapFile:
         self.metadata: dict[str, dict[str, str]] = {}
         self.notes: list[str] = []
         self._schemas: dict[int, str] = {}
+        self._unpacker = Unpacker(path.stat().st_size if path.is_file() else 0)
         try:
             with path.open("rb") as stream:
                 self._check_beginning(stream)
@@ -153,13 +155,14 @@ class McapFile:
         return []
 
     def _unpack(self, chunk: Chunk) -> list[Message]:
-        stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-        data = stream.read(size)
+        data = self._unpacker.unpack(chunk)
         messages = []
         position = 0
         while position < len(data):
             opcode, length = _FRAME.unpack_from(data, position)
             begin, position = position + _FRAME.size, position + _FRAME.size + length
+            if opcode == 0:
+                raise McapError("a record of no kind")
             if opcode == Opcode.MESSAGE:
                 messages.append(Message(*_message(data, begin, position)))
             else:

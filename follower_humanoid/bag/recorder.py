@@ -68,8 +68,10 @@ _TYPE_NAMES: dict[type, str] = {
 class RecorderConfig:
     """What the recorder node is told."""
 
-    bag: str = parameter("", "folder of the bag, must not exist yet; empty: bags/<date-time>")
-    about: str = parameter("", "YAML file, name -> text, of what the bag shall carry; empty: nothing")
+    bag: str = parameter("", "folder of the bag, must not exist yet; empty: bags/<date-time>", path=True)
+    about: str = parameter(
+        "", "YAML file, name -> text, of what the bag shall carry; empty: nothing", path=True
+    )
     rate: float = parameter(100.0, "rate of the topics that are thinned out", "Hz", 1.0, 1000.0)
     poll: float = parameter(0.02, "wall time between two visits to the queues", "s", 0.001, 1.0)
 

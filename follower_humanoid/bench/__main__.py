@@ -8,7 +8,7 @@ import functools
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from follower_humanoid.bench import graph
@@ -16,6 +16,8 @@ from follower_humanoid.bench.check import NO_FALL, Check
 from follower_humanoid.bench.scenarios import SCENARIOS, Evidence, Scenario
 from follower_humanoid.errors import ConfigurationError, FollowerError, UnknownNameError
 from follower_humanoid.graph.simulate import simulate
+
+Runs = dict[str, Callable[[], list[Check]]]
 
 
 def main(args: list[str] | None = None) -> int:
@@ -25,10 +27,12 @@ def main(args: list[str] | None = None) -> int:
         "--only", action="append", default=[], metavar="NAME", help="run this scenario; repeatable"
     )
     parser.add_argument("--brief", action="store_true", help="the short form that runs with the tests")
+    parser.add_argument("--faults", action="store_true", help="try faults instead, see docs/reliability.md")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table as JSON")
     options = parser.parse_args(args)
     try:
-        chosen = _choose(options.only, options.brief)
+        known = _faults(options.brief) if options.faults else _scenarios(options.brief)
+        chosen = _choose(options.only, known)
         _check_writable(options.json)
     except FollowerError as error:
         print(f"benchmark: {error}", file=sys.stderr)
@@ -61,10 +65,17 @@ def run_graph() -> list[Check]:
 
 def _shown(title: str, checks: list[Check]) -> list[Check]:
     print(f"\n{title}")
+    return _lines(checks)
+
+
+def _lines(checks: Iterable[Check]) -> list[Check]:
+    """Prints each as soon as it is known."""
+    done = []
     for check in checks:
         mark = "ok  " if check.passed else "MISS"
         print(f"  {mark} {check.what:<46} {check.required:<40} {check.measured}", flush=True)
-    return checks
+        done.append(check)
+    return done
 
 
 def _until_a_fall(checks: Iterator[Check]) -> list[Check]:
@@ -90,14 +101,31 @@ def _write(path: Path | None, table: dict[str, list[Check]]) -> None:
     path.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def _choose(names: list[str], brief: bool) -> dict[str, Callable[[], list[Check]]]:
+def _scenarios(brief: bool) -> Runs:
     """Name → what runs it, in the order of the table."""
-    known: dict[str, Callable[[], list[Check]]] = {
+    known: Runs = {
         scenario.name: functools.partial(run_scenario, scenario)
         for scenario in SCENARIOS
         if scenario.brief or not brief
     }
     known[graph.NAME] = run_graph
+    return known
+
+
+def _faults(brief: bool) -> Runs:
+    """Name → what tries it, in the order of the table."""
+    from follower_humanoid.faults.case import Effort, Fault
+    from follower_humanoid.faults.table import FAULTS
+
+    def tried(fault: Fault) -> list[Check]:
+        print(f"\n{fault.name}")
+        return _lines(fault.try_it(Effort(brief)))
+
+    return {fault.name: functools.partial(tried, fault) for fault in FAULTS if fault.brief or not brief}
+
+
+def _choose(names: list[str], known: Runs) -> Runs:
+    """Those that were named, else all."""
     for name in names:
         if name not in known:
             raise UnknownNameError("scenario", name, known)

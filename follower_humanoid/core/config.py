@@ -13,6 +13,7 @@ import types
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any, TypeVar
 
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
@@ -29,6 +30,7 @@ def parameter(
     high: float | None = None,
     choices: tuple[str, ...] = (),
     read_only: bool = True,
+    path: bool = False,
 ) -> Any:
     """A dataclass field with what a user must know about it.
 
@@ -40,10 +42,11 @@ def parameter(
         low, high: Inclusive range of numbers (of every entry of a tuple).
         choices: Valid words of a text parameter.
         read_only: False where changing it on a running node is safe.
+        path: True where the text names a file or folder: absolute, or below the working directory.
     """
     metadata = {
         "meaning": meaning, "unit": unit, "low": low, "high": high,
-        "choices": choices, "read_only": read_only,
+        "choices": choices, "read_only": read_only, "path": path,
     }
     return dataclasses.field(default=default, metadata=metadata)
 
@@ -60,6 +63,7 @@ class ParameterInfo:
     high: float | None
     choices: tuple[str, ...]
     read_only: bool
+    path: bool = False
 
     def checked(self, value: Any, where: str = "") -> Any:
         """The value in this parameter's type.
@@ -84,6 +88,10 @@ class ParameterInfo:
             raise ConfigurationError(f"{label} = {value!r}: needs a text")
         if self.choices and value not in self.choices:
             raise ConfigurationError(f"{label} = '{value}': valid: {', '.join(self.choices)}")
+        if self.path and ".." in PurePath(value).parts and not PurePath(value).is_absolute():
+            raise ConfigurationError(f"{label} = '{value}': valid: an absolute path, or one without '..'")
+        if self.path and "\0" in value:
+            raise ConfigurationError(f"{label}: a path cannot contain a null character")
         return value
 
     def _number(self, value: Any, kind: type, label: str) -> Any:

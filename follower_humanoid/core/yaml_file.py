@@ -79,23 +79,37 @@ def read_yaml(path: Path | str) -> Any:
     try:
         if path.stat().st_size > _LARGEST_FILE:
             raise ConfigurationError(f"{path}: larger than {_LARGEST_FILE} bytes")
-        return yaml.load(path.read_text(encoding="utf-8"), _PlainLoader)
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise ConfigurationError(f"{path}: not UTF-8 text") from error
+    return parse_yaml(text, str(path))
+
+
+def parse_yaml(text: str, where: str) -> Any:
+    """The content of a YAML text, by the same rules; `where` names its origin in messages.
+
+    Raises:
+        ConfigurationError: It is not plain YAML, or too long.
+    """
+    if len(text) > _LARGEST_FILE:
+        raise ConfigurationError(f"{where}: longer than {_LARGEST_FILE} characters")
+    try:
+        return yaml.load(text, _PlainLoader)
     except _Fault as error:
-        raise ConfigurationError(f"{path}:{error.line}: {error}") from error
+        raise ConfigurationError(f"{where}:{error.line}: {error}") from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f":{mark.line + 1}" if mark else ""
-        raise ConfigurationError(f"{path}{line}: not valid YAML: {error.problem or error.context}") from error
+        fault = error.problem or error.context
+        raise ConfigurationError(f"{where}{line}: not valid YAML: {fault}") from error
     except yaml.YAMLError as error:
-        raise ConfigurationError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from error
+        raise ConfigurationError(f"{where}: not valid YAML: {' '.join(str(error).split())}") from error
     except RecursionError as error:
-        raise ConfigurationError(f"{path}: nested too deeply") from error
+        raise ConfigurationError(f"{where}: nested too deeply") from error
     except ValueError as error:  # an integer of thousands of digits
-        raise ConfigurationError(f"{path}: not valid YAML: {error}") from error
+        raise ConfigurationError(f"{where}: not valid YAML: {error}") from error
 
 
 def read_value(text: str, where: str) -> Any:

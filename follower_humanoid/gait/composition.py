@@ -45,7 +45,9 @@ SHOWN_STEPS = 8  # taken footsteps that stay in the message
 class CompositionConfig:
     """Parameters of motion composition."""
 
-    sequence: str = parameter("", "file with the sequence of primitives; empty: the package's half-step")
+    sequence: str = parameter(
+        "", "file with the sequence of primitives; empty: the package's half-step", path=True
+    )
     dcm_convergence: float = parameter(
         4.0, "rate at which the reference DCM joins a changed plan", "1/s", 0.5, 20
     )

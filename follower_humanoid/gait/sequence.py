@@ -15,6 +15,7 @@ from follower_humanoid.gait.primitives import PRIMITIVES, Primitive
 from follower_humanoid.resources import share_path
 
 SUPPORTS = ("double", "single")
+_LARGEST_NUMBER = 1e6  # beyond it nothing in a half-step has a meaning
 
 
 @dataclass(frozen=True)
@@ -122,10 +123,10 @@ def load_sequence(path: str = "") -> Sequence:
             raise ConfigurationError("needs 'name' and a list 'phases'")
         _only_known(document, ("name", "phases", "brisk_time"), "the sequence")
         phases = tuple(_phase(entry, number) for number, entry in enumerate(document["phases"], start=1))
-        brisk = document.get("brisk_time", 0.0)
-        if isinstance(brisk, bool) or not isinstance(brisk, int | float) or not 0.0 <= brisk < math.inf:
+        brisk = _number(document.get("brisk_time", 0.0), "brisk_time")
+        if brisk < 0.0:
             raise ConfigurationError(f"brisk_time = {brisk!r}: needs a time in seconds, 0 = never")
-        return Sequence(str(document.get("name", file.stem)), phases, float(brisk))
+        return Sequence(str(document.get("name", file.stem)), phases, brisk)
     except ConfigurationError as error:
         raise ConfigurationError(f"sequence {file}: {error}") from None
 
@@ -144,11 +145,9 @@ def _phase(entry: Any, number: int) -> Phase:
     support = entry.get("support")
     if support not in SUPPORTS:
         raise ConfigurationError(f"phase '{name}': support = {support!r}: valid: {', '.join(SUPPORTS)}")
-    share = entry.get("share")
-    if isinstance(share, bool) or not isinstance(share, int | float):
-        raise ConfigurationError(f"phase '{name}': share = {share!r}: needs a number")
+    share = _number(entry.get("share"), f"phase '{name}': share")
     return Phase(
-        name, support == "single", float(share), tuple(_primitive(p, name) for p in entry["primitives"])
+        name, support == "single", share, tuple(_primitive(p, name) for p in entry["primitives"])
     )
 
 
@@ -166,7 +165,14 @@ def _primitive(entry: Any, phase: str) -> Primitive:
             continue
         if key not in fields:
             raise UnknownNameError(f"parameter of {word} in phase '{phase}'", str(key), fields)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ConfigurationError(f"phase '{phase}', {word}: {key} = {value!r}: needs a number")
-        values[key] = float(value)
+        values[key] = _number(value, f"phase '{phase}', {word}: {key}")
     return kind(**values)
+
+
+def _number(value: Any, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ConfigurationError(f"{where} = {value!r}: needs a number")
+    if abs(value) > _LARGEST_NUMBER:  # what is no number at all is told by whoever uses it
+        raise ConfigurationError(f"{where} = {value if isinstance(value, float) else 'a whole number'}: "
+                                 f"needs a number up to {_LARGEST_NUMBER:g}")
+    return float(value)

@@ -18,7 +18,7 @@ class GraphConfig:
     """What all nodes must agree on."""
 
     tick: float = parameter(0.002, "control tick, a whole number of physics steps", "s", 0.001, 0.02)
-    urdf: str = parameter("", "URDF file of the robot; empty: the package's own")
+    urdf: str = parameter("", "URDF file of the robot; empty: the package's own", path=True)
     nodes: str = parameter(ALL_NODES, "nodes of this package that run, comma-separated")
     autostart: bool = parameter(True, "configure and activate without a lifecycle manager")
     watchdog: float = parameter(

@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from follower_humanoid.bag.about import VERSIONS, versions
 from follower_humanoid.core.config import parameters_of
 from follower_humanoid.core.samples import Wrench
+from follower_humanoid.core.yaml_file import parse_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.graph_config import LEADER
 from follower_humanoid.graph.node_configs import node_parameters
@@ -31,6 +31,8 @@ from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, NodeWiring, nodes_with
 
 PARAMETERS = "parameters.yaml"
+SEQUENCE = "sequence.yaml"
+_COMPOSITION = "motion_composition"
 _KEY = "ros__parameters"
 # Input of the simulator → topic that tells what acted.
 _APPLIED = {
@@ -107,9 +109,9 @@ def _carried_parameters(run: Run) -> dict[str, dict[str, Any]]:
             f"the bag carries no {PARAMETERS}: only a run recorded by bringup can be simulated again"
         )
     try:
-        content = yaml.safe_load(run.about[PARAMETERS])
+        content = parse_yaml(run.about[PARAMETERS], PARAMETERS)
         return {str(node): dict(block[_KEY]) for node, block in content.items()}
-    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError):
+    except (ConfigurationError, AttributeError, KeyError, TypeError, ValueError):
         raise ConfigurationError(f"{PARAMETERS} in the bag cannot be read") from None
 
 
@@ -142,8 +144,8 @@ def _resets(run: Run) -> frozenset[int]:
 
 def _version_notes(run: Run) -> Iterator[str]:
     try:
-        recorded = yaml.safe_load(run.about.get(VERSIONS, "")) or {}
-    except yaml.YAMLError:
+        recorded = parse_yaml(run.about.get(VERSIONS, ""), VERSIONS) or {}
+    except ConfigurationError:
         recorded = {}
     here = versions()
     for name, version in recorded.items() if isinstance(recorded, dict) else ():
@@ -187,9 +189,10 @@ class Repetition(Chain):
         self._recorded = recorded
         urdf = folder / "robot.urdf"
         urdf.write_text(recorded.run.urdf, encoding="utf-8")
+        parameters = _with_carried_sequence(recorded, folder)
         absent = tuple(name for name in NODES if name == LEADER or name not in recorded.nodes)
         more = tuple(recorded.table.keys() - NODES.keys())
-        super().__init__(recorded.parameters, recorded.run.tick, str(urdf), absent, more=more)
+        super().__init__(parameters, recorded.run.tick, str(urdf), absent, more=more)
         self.recorder = _NoRecorder(recorded.run.tick, self.robot.joint_names, self.robot.urdf)
         self._held = {
             name: _Held(recorded.run[topic], recorded.ticks) for name, topic in _APPLIED.items()
@@ -230,6 +233,22 @@ class Repetition(Chain):
         # The state of a tick tells what acted in the tick before it.
         wrenches = {name: held.at(self.tick + 1) for name, held in self._held.items()}
         return dataclasses.replace(inputs, **wrenches)
+
+
+def _with_carried_sequence(recorded: Recorded, folder: Path) -> Mapping[str, Mapping[str, Any]]:
+    """The parameters with the sequence that the bag carries: a path in a bag is never followed.
+
+    Raises:
+        ConfigurationError: The run had a sequence of its own, and the bag does not carry it.
+    """
+    composition = recorded.parameters.get(_COMPOSITION, {})
+    if not composition.get("sequence"):
+        return recorded.parameters
+    if SEQUENCE not in recorded.run.about:
+        raise ConfigurationError(f"the bag carries no {SEQUENCE}, which its parameters ask for")
+    path = folder / SEQUENCE
+    path.write_text(recorded.run.about[SEQUENCE], encoding="utf-8")
+    return {**recorded.parameters, _COMPOSITION: {**composition, "sequence": str(path)}}
 
 
 class _NoRecorder(RunRecorder):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
 from follower_humanoid.core.config import build
@@ -117,7 +119,8 @@ def simulate(
     settings = {name: dict(values) for name, values in (parameters or {}).items()}
     without = ("leader",) if leader == "none" else ()
     if not without:
-        settings.setdefault("leader", {}).setdefault("programme", leader)
+        programme = str(Path(leader).absolute()) if os.sep in leader else leader
+        settings.setdefault("leader", {}).setdefault("programme", programme)
     chain = Chain(settings, tick, urdf, without, interference)
     try:
         for _ in range(round(duration / tick)):

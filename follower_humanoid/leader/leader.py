@@ -16,7 +16,9 @@ from follower_humanoid.robot.model import RobotModel
 class LeaderConfig:
     """Parameters of the leader."""
 
-    programme: str = parameter("fig4", "force programme: fig4, fig5, or the path of a YAML file")
+    programme: str = parameter(
+        "fig4", "force programme: fig4, fig5, or the path of a YAML file", path=True
+    )
 
 
 @dataclass(frozen=True)

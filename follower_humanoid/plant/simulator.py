@@ -122,10 +122,14 @@ class Simulator:
             )
         self._robot, self._period = robot, period
         self.world = World(config.physics_step, Ground(config.ground))
-        self.plant = RobotPlant(
-            self.world, robot, config.motors, config.soles, config.stops, config.standing, config.body,
-            config.fixed_trunk,
-        )  # fmt: skip
+        try:
+            self.plant = RobotPlant(
+                self.world, robot, config.motors, config.soles, config.stops, config.standing, config.body,
+                config.fixed_trunk,
+            )  # fmt: skip
+        except Exception:
+            self.world.close()  # a physics server does not end by itself
+            raise
         self._board = Board(config.board, self.plant) if config.board.stiffness > 0.0 else None
         self._sensors = Sensors(config.sensors, self.plant)
         groups = (robot.groups.legs, robot.groups.arms)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import yaml
+from follower_humanoid.core.yaml_file import parse_yaml
+from follower_humanoid.errors import ConfigurationError
 
 _LEAST_DEPTH = 10
 # Bags before metadata version 9 write rmw's numbers in place of words.
@@ -34,8 +35,8 @@ def offered_in(text: str) -> Offered:
     With several publishers, what the most demanding subscriber could have had.
     """
     try:
-        profiles = yaml.safe_load(text) or []
-    except yaml.YAMLError:
+        profiles = parse_yaml(text, "offered_qos_profiles") or []
+    except ConfigurationError:
         profiles = []
     profiles = [p for p in profiles if isinstance(p, dict)] if isinstance(profiles, list) else []
     if not profiles:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from follower_humanoid.core.samples import Array, Joints, Odometry, Side
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.resources import share_path
+from follower_humanoid.robot.urdf_file import read_urdf
 
 GRAVITY = 9.81
 BASE_DOF = 6
@@ -69,10 +70,7 @@ class RobotModel:
             ConfigurationError: Not a URDF of this robot's structure.
         """
         path = Path(urdf) if urdf else share_path("urdf/follower.urdf")
-        try:
-            self.urdf = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigurationError(f"URDF {path} cannot be read: {error}") from None
+        self.urdf = read_urdf(path)
         try:
             self.pin_model: pin.Model = pin.buildModelFromXML(self.urdf, pin.JointModelFreeFlyer())
         except (ValueError, RuntimeError) as error:

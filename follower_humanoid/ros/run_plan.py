@@ -85,6 +85,9 @@ def make_plan(options: Options) -> RunPlan:
     if options.bag:
         parameters.set(RECORDER, bag=str(options.bag))
     check_files(parameters.all)
+    sequence = parameters.all.get("motion_composition", {}).get("sequence")
+    if sequence:  # a repetition does not follow paths
+        about["sequence.yaml"] = Path(sequence).read_text(encoding="utf-8")
     about["parameters.yaml"] = _yaml({node: {KEY: values} for node, values in parameters.all.items()})
     return RunPlan(options, nodes, parameters.all, ros_args, about)
 

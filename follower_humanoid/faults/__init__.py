@@ -1,0 +1,1 @@
+"""Faults tried on the follower: what each does, what must come of it, and whether it did."""
