@@ -23,9 +23,9 @@ from follower_humanoid.robot.model import RobotModel
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_hostile_files_are_read_or_refused(kind):
-    outcome = tried_files(kind, 60, seed=0)
+    outcome = tried_files(kind, 30, seed=0)
     assert outcome.findings == []
-    assert outcome.read + outcome.refused == 60
+    assert outcome.read + outcome.refused == 30
     assert outcome.refused > 5
 
 
