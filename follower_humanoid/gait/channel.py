@@ -9,7 +9,34 @@ from __future__ import annotations
 
 import numpy as np
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
+
+
+@kernel("UniTuple(float64[::1], 3)(float64[::1], float64[::1], float64[::1], float64[::1], float64, float64)")
+def along_quintic(
+    position: Array, velocity: Array, acceleration: Array, target: Array, T: float, t: float
+) -> tuple[Array, Array, Array]:
+    """State at time t of the quintic that ends at rest on the target at time T.
+
+    x(t) = x + v t + a t²/2 + c3 t³ + c4 t⁴ + c5 t⁵ with x(T) = target, ẋ(T) = ẍ(T) = 0.
+
+    Args:
+        position, velocity, acceleration: State x, v, a at time 0, shape (n,).
+        target: Shape (n,).
+        T, t: [s].
+    """
+    n = len(position)
+    x_new, v_new, a_new = np.empty(n), np.empty(n), np.empty(n)
+    for i in range(n):
+        gap, v, a = target[i] - position[i], velocity[i], acceleration[i]
+        c3 = (10.0 * gap - 6.0 * v * T - 1.5 * a * T**2) / T**3
+        c4 = (-15.0 * gap + 8.0 * v * T + 1.5 * a * T**2) / T**4
+        c5 = (6.0 * gap - 3.0 * v * T - 0.5 * a * T**2) / T**5
+        x_new[i] = position[i] + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5))))
+        v_new[i] = v + t * (a + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))
+        a_new[i] = a + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))
+    return x_new, v_new, a_new
 
 
 class MinimumJerkChannel:
@@ -39,17 +66,9 @@ class MinimumJerkChannel:
         if remaining <= dt:
             self.reset(target)
             return
-        T = remaining
-        gap = target - self.position
-        v, a = self.velocity, self.acceleration
-        # x(t) = x + v t + a t²/2 + c3 t³ + c4 t⁴ + c5 t⁵ with x(T) = target, ẋ(T) = ẍ(T) = 0
-        c3 = (10.0 * gap - 6.0 * v * T - 1.5 * a * T**2) / T**3
-        c4 = (-15.0 * gap + 8.0 * v * T + 1.5 * a * T**2) / T**4
-        c5 = (6.0 * gap - 3.0 * v * T - 0.5 * a * T**2) / T**5
-        t = dt
-        self.position = self.position + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5))))
-        self.velocity = v + t * (a + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))
-        self.acceleration = a + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))
+        self.position, self.velocity, self.acceleration = along_quintic(
+            self.position, self.velocity, self.acceleration, target, remaining, dt
+        )
 
     def hold(self, dt: float, settling: float = 0.05) -> None:
         """No primitive owns the channel: what speed is left fades within `settling` [s]."""

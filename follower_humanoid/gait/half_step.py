@@ -20,6 +20,7 @@ class SwingFoot:
         height: Sole height, shape (1,) [m].
         attitude: (yaw, pitch) of the sole, shape (2,) [rad].
         toe: Toe joint, shape (1,) [rad].
+        channels: All of them by the names that primitives use.
     """
 
     def __init__(self, foot: FootPose, toe: float) -> None:
@@ -28,10 +29,7 @@ class SwingFoot:
         self.height = MinimumJerkChannel(np.array([foot.z]))
         self.attitude = MinimumJerkChannel(np.array([foot.yaw, 0.0]))
         self.toe = MinimumJerkChannel(np.array([toe]))
-
-    def channels(self) -> dict[str, MinimumJerkChannel]:
-        """By the names that primitives use."""
-        return {
+        self.channels = {
             "swing_place": self.place,
             "swing_height": self.height,
             "swing_attitude": self.attitude,
@@ -63,7 +61,7 @@ class HalfStep:
         self._index = 0
         self._shortest_transfer = shortest_transfer
         self._hurried: float | None = None
-        self._targets: dict[Primitive, Array] = {}
+        self._targets: dict[tuple[int, int], Array] = {}
         self.stance = stance
         self.swing = swing
         self.closing = closing
@@ -122,16 +120,16 @@ class HalfStep:
         self.duration = duration
         phase_time = self._phase_time(self.phase, duration)
         owned = set()
-        for primitive in self.phase.primitives:
+        for number, primitive in enumerate(self.phase.primitives):
             if not primitive.active(self.progress):
                 continue
             if primitive.finished(context, self.progress):
                 continue
             owned.add(primitive.channel)
             remaining = (primitive.end - self.progress) * phase_time
-            channel = zmp if primitive.channel == "zmp" else self.swing.channels()[primitive.channel]
-            channel.advance(self._target(primitive, context), remaining, dt)
-        for name, channel in self.swing.channels().items():
+            channel = zmp if primitive.channel == "zmp" else self.swing.channels[primitive.channel]
+            channel.advance(self._target(number, primitive, context), remaining, dt)
+        for name, channel in self.swing.channels.items():
             if name not in owned:
                 channel.hold(dt)
         if "zmp" not in owned:
@@ -157,11 +155,12 @@ class HalfStep:
             part += phase_zmp_plan(phase, begin, context, self._phase_time(phase, duration))
         return transfer, swing
 
-    def _target(self, primitive: Primitive, context: StepContext) -> Array:
-        """The target of a primitive, kept once it has settled."""
-        if primitive not in self._targets or primitive.completion(self.progress) < primitive.settled:
-            self._targets[primitive] = primitive.target(context)
-        return self._targets[primitive]
+    def _target(self, number: int, primitive: Primitive, context: StepContext) -> Array:
+        """The target of a primitive of the present phase, kept once it has settled."""
+        key = (self._index, number)
+        if key not in self._targets or primitive.completion(self.progress) < primitive.settled:
+            self._targets[key] = primitive.target(context)
+        return self._targets[key]
 
     def _phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase; the transfer out of standing takes its own [s]."""
@@ -171,8 +170,7 @@ class HalfStep:
             return min(time, self._hurried * phase.share / single)
         if phase.single_support or self._shortest_transfer == 0.0:
             return time
-        double = sum(p.share for p in self._phases if not p.single_support)
-        return max(time, self._shortest_transfer * phase.share / double)
+        return max(time, self._shortest_transfer * phase.share / self._sequence.double_share)
 
     def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
         """Names of the active primitives and their completion."""
@@ -184,7 +182,7 @@ class HalfStep:
 def phase_zmp_plan(phase: Phase, begin: float, context: StepContext, time: float) -> list[ZmpLeg]:
     """What the primitives of a phase of `time` [s] ask of the ZMP from progress `begin` on; gaps rest."""
     legs: list[ZmpLeg] = []
-    for primitive in phase.on_channel("zmp"):
+    for primitive in phase.on_zmp:
         if primitive.end <= begin:
             continue
         if primitive.start > begin:

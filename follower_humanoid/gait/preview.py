@@ -30,9 +30,10 @@ def planned_dcm(zmp: Array, legs: Iterable[ZmpLeg], omega: float, horizon: float
     Returns:
         DCM in world, shape (2,) [m].
     """
-    dcm = np.array(zmp, dtype=float)
-    point, time = zmp, 0.0
-    discount = 1.0
+    # Plain numbers: NumPy's calls would cost more than the arithmetic.
+    x, y = zmp.tolist()
+    dcm_x, dcm_y = x, y
+    time, discount = 0.0, 1.0
     for target, duration in legs:
         if time >= horizon:
             break
@@ -41,13 +42,16 @@ def planned_dcm(zmp: Array, legs: Iterable[ZmpLeg], omega: float, horizon: float
             discount = math.exp(-omega * time)
             continue
         if duration < 1e-6:
-            dcm = dcm + discount * (target - point)
+            weight = discount
         else:
             later = math.exp(-omega * time)
-            dcm = dcm + (target - point) * ((discount - later) / (omega * duration))
+            weight = (discount - later) / (omega * duration)
             discount = later
-        point = target
-    return dcm
+        next_x, next_y = target.tolist()
+        dcm_x += weight * (next_x - x)
+        dcm_y += weight * (next_y - y)
+        x, y = next_x, next_y
+    return np.array([dcm_x, dcm_y])
 
 
 def com_after(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -63,9 +63,10 @@ class Phase:
                     f"phase '{self.name}', {_word(primitive)}: {field.name} is not finite"
                 )
 
-    def on_channel(self, channel: str) -> Iterator[Primitive]:
-        """The primitives that move a channel, in order of time."""
-        yield from sorted((p for p in self.primitives if p.channel == channel), key=lambda p: p.start)
+    @cached_property
+    def on_zmp(self) -> tuple[Primitive, ...]:
+        """The primitives that move the ZMP, in order of time."""
+        return tuple(sorted((p for p in self.primitives if p.channel == "zmp"), key=lambda p: p.start))
 
 
 @dataclass(frozen=True)
@@ -93,9 +94,14 @@ class Sequence:
         if abs(total - 1.0) > 1e-6:
             raise ConfigurationError(f"sequence '{self.name}': the shares add up to {total}, not 1")
 
+    @cached_property
+    def double_share(self) -> float:
+        """Part of the half-step time on both feet, 0…1."""
+        return sum(phase.share for phase in self.phases if not phase.single_support)
+
     def phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase in a half-step of `duration` [s]."""
-        double = sum(p.share for p in self.phases if not p.single_support)
+        double = self.double_share
         squeeze = min(1.0, max(0.5, duration / self.brisk_time)) if self.brisk_time > 0.0 else 1.0
         if phase.single_support:
             return duration * phase.share * (1.0 - squeeze * double) / (1.0 - double)

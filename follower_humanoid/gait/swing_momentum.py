@@ -8,7 +8,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
+
+
+@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64, float64, float64)")
+def filtered_rate(new: Array, old: Array, rate: Array, dt: float, limit: float, share: float) -> Array:
+    """r + s (clip((x − x_old)/dt) − r): the change per time, limited to ±limit, behind a low-pass.
+
+    Args:
+        new, old: x now and a tick ago, shape (n,).
+        rate: r, what came out a tick ago, shape (n,).
+        dt: Tick [s].
+        limit: Largest change per second.
+        share: s of the low-pass, 0…1.
+    """
+    out = np.empty(len(new))
+    for i in range(len(new)):
+        change = min(max((new[i] - old[i]) / dt, -limit), limit)
+        out[i] = rate[i] + share * (change - rate[i])
+    return out
 
 
 @dataclass(frozen=True)
@@ -37,9 +56,7 @@ class MomentumRate:
         """
         rate_now = np.zeros_like(momentum) if self._rate is None else self._rate
         if self._last is not None:
-            limit = self._config.limit
-            rate = np.clip((momentum - self._last) / dt, -limit, limit)
             share = 1.0 - math.exp(-dt / self._config.filter_time)
-            rate_now = rate_now + share * (rate - rate_now)
+            rate_now = filtered_rate(momentum, self._last, rate_now, dt, self._config.limit, share)
         self._last, self._rate = momentum, rate_now
         return rate_now

@@ -294,6 +294,6 @@ class Walker:
         ramp = max(self._config.load_time, dt)
         for side in SIDES:
             goal = 0.0 if side is leaving and until_lift <= ramp else 1.0
-            change = float(np.clip(goal - self.shares[side], -dt / ramp, dt / ramp))
+            change = min(max(goal - self.shares[side], -dt / ramp), dt / ramp)
             in_air = side is self.swinging
             self.shares[side] = 0.0 if in_air else self.shares[side] + change

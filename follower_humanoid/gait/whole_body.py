@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Side
@@ -93,7 +92,10 @@ class ReferenceBody:
             com = com_after(walker.zmp.position, pendulum.com, pendulum.dcm, ahead, later, omega, horizon)
             return com - pendulum.com
 
-        reaches = [self._reach(self.ik.soles[side][3], side, np.zeros(2)) for side in SIDES]
+        reaches = []
+        for side, sole in self.ik.soles.items():
+            x, y, z = sole[3].tolist()
+            reaches.append(self._reach(x, y, z, side))
         if plan.footsteps:
             shift, landing = shift_after(plan.landing), plan.footsteps[0]
             reaches.append(self._planned_reach(landing, shift))
@@ -104,15 +106,16 @@ class ReferenceBody:
 
     def _planned_reach(self, foot: FootPose, shift: Array) -> Reach:
         """The reach to a foot that will land or lift off, with something to spare."""
-        reach = self._reach(np.array([foot.x, foot.y, foot.z]), foot.side, shift)
+        x, y = shift.tolist()
+        reach = self._reach(foot.x - x, foot.y - y, foot.z, foot.side)
         return Reach(reach.ankle_height, reach.horizontal + self._config.pelvis.spare)
 
-    def _reach(self, sole: Array, side: Side, shift: Array) -> Reach:
-        """From the hip of the reference, moved over the ground by `shift`, to the ankle above a sole."""
-        q = self.ik.q
-        rotation = pin.Quaternion(q[3:7]).toRotationMatrix()
-        hip = q[:2] + rotation[:2, 1] * side.sign * self._hip_offset + shift
-        return Reach(float(sole[2]) + self._ankle_height, math.hypot(sole[0] - hip[0], sole[1] - hip[1]))
+    def _reach(self, x: float, y: float, z: float, side: Side) -> Reach:
+        """From the hip of the reference to the ankle above a sole at x, y, z in world [m]."""
+        _, left, _, (hip_x, hip_y, _) = self.ik.base.tolist()
+        aside = side.sign * self._hip_offset
+        hip_x, hip_y = hip_x + aside * left[0], hip_y + aside * left[1]
+        return Reach(z + self._ankle_height, math.hypot(x - hip_x, y - hip_y))
 
 
 def _about_z(yaw: float) -> Array:
@@ -126,16 +129,16 @@ def _foot_task(walker: Walker, side: Side) -> FootTask:
         foot = walker.feet[side]
         return FootTask(np.array([foot.x, foot.y, foot.z]), _about_z(foot.yaw), np.zeros(3), np.zeros(3))
     swing = walker.half_step.swing
-    yaw, pitch = swing.attitude.position
-    yaw_rate, pitch_rate = swing.attitude.velocity
-    c, s = math.cos(pitch), math.sin(pitch)
-    tilt = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    heading = _about_z(float(yaw))
+    yaw, pitch = swing.attitude.position.tolist()
+    yaw_rate, pitch_rate = swing.attitude.velocity.tolist()
+    c, s = math.cos(yaw), math.sin(yaw)
+    level, down = math.cos(pitch), math.sin(pitch)
     return FootTask(
-        position=np.concatenate((swing.place.position, swing.height.position)),
-        rotation=heading @ tilt,
-        linear_velocity=np.concatenate((swing.place.velocity, swing.height.velocity)),
-        angular_velocity=np.array([0.0, 0.0, yaw_rate]) + pitch_rate * heading[:, 1],
+        position=np.array([*swing.place.position, *swing.height.position]),
+        # About z by the yaw, then about the foot's own y by the pitch.
+        rotation=np.array([[c * level, -s, c * down], [s * level, c, s * down], [-down, 0.0, level]]),
+        linear_velocity=np.array([*swing.place.velocity, *swing.height.velocity]),
+        angular_velocity=np.array([-s * pitch_rate, c * pitch_rate, yaw_rate]),
     )
 
 
