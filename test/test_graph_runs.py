@@ -162,7 +162,9 @@ while True:
 @pytest.mark.parametrize("leader", ["none", "pull.yaml"])
 def test_a_person_can_push_the_base(place, leader):
     bag = place / f"pushed_{leader[:4]}"
-    with bringup(place, "--leader", leader, "--duration", "1", "--bag", str(bag), "--composed") as running:
+    # Never faster than real time, so that the person has time to be found.
+    options = ("--leader", leader, "--duration", "2", "--realtime", "--composed")
+    with bringup(place, *options, "--bag", str(bag)) as running:
         person = script(PUSH, running.environment)
         try:
             assert running.wait() == 0
@@ -200,6 +202,32 @@ def test_a_joystick_can_take_the_place_of_gait_mapping(place):
             joystick.wait()
     reference = recorded(bag)["motion/reference"].position
     assert np.ptp(reference, axis=0).max() > 0.01  # it moves for the first step
+
+
+FILTER = """
+import rclpy
+from nav_msgs.msg import Odometry
+rclpy.init()
+node = rclpy.create_node("filter")
+publisher = node.create_publisher(Odometry, "odom_filtered", 1000)
+node.create_subscription(Odometry, "odom", publisher.publish, 1000)
+rclpy.spin(node)
+"""
+
+
+@pytest.mark.parametrize("placement", [[], ["--composed"]])
+def test_a_filter_can_be_put_between_two_nodes_by_a_remap(place, separate, placement):
+    bag = place / f"filtered{len(placement)}"
+    options = ("--leader", "pull.yaml", "--duration", "0.2", "--bag", str(bag), *placement)
+    with bringup(place, *options, "--ros-args", "-r", "wrench_sensing:odom:=odom_filtered") as running:
+        between = script(FILTER, running.environment)
+        try:
+            assert running.wait() == 0, running.complained
+        finally:
+            between.kill()
+            between.wait()
+    ours, theirs = separate[1]["joint_states"].position, recorded(bag)["joint_states"].position
+    assert ours[:101].tobytes() == theirs.tobytes()
 
 
 def test_a_node_of_ours_started_by_hand_takes_its_place_in_the_lock_step(place, separate):

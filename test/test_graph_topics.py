@@ -1,4 +1,8 @@
-"""Who listens to what in the running graph: the wiring table, and nothing that the contract forbids."""
+"""Who listens to what in the running graph: the wiring table, and nothing that the contract forbids.
+
+Between nodes of the package the topics of a tick travel together in envelopes. So the graph is looked at
+twice: as it runs, and with every topic heard by its name, which shows what a node takes out of them.
+"""
 
 from __future__ import annotations
 
@@ -11,29 +15,29 @@ from rclpy.parameter import Parameter
 
 from follower_humanoid.core.topics import READERS, TOPICS
 from follower_humanoid.graph.lockstep import CLOCK
-from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, WIRING, used_tick
+from follower_humanoid.graph.wiring import ARM_TASK, NODES, PRODUCER, SIMULATOR, WIRING, used_tick
 from follower_humanoid.ros.barrier import RESET
 from follower_humanoid.ros.component_node import ComponentNode
+from follower_humanoid.ros.envelope import envelope_topic
 from follower_humanoid.ros.formats import PEOPLE
-from follower_humanoid.ros.lockstep_node import ABSENT
-from follower_humanoid.ros.people import copy_of
+from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.simulator_node import SimulatorNode
 
 NAMESPACE = "/robots/one"
-OWN = {ABSENT, RESET, CLOCK, "graph/ready", *(copy_of(topic) for topic in PEOPLE)}
+ENVELOPES = {envelope_topic(name) for name in NODES}
+OWN = {ABSENT, RESET, CLOCK, "graph/ready", *ENVELOPES}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
 
-@pytest.fixture(scope="module")
-def endpoints():
+def endpoints_with(*settings):
     """Node → (topics it listens to, topics it publishes), as the graph tells, namespace taken off."""
     context = Context()
     rclpy.init(context=context, args=["--ros-args", "-r", f"__ns:={NAMESPACE}"])
-    still = [Parameter("autostart", value=False)]
+    settings = [Parameter("autostart", value=False), *settings]
     nodes = {
-        name: SimulatorNode(context=context, parameter_overrides=still)
+        name: SimulatorNode(context=context, parameter_overrides=settings)
         if name == SIMULATOR
-        else ComponentNode(name, context=context, parameter_overrides=still)
+        else ComponentNode(name, context=context, parameter_overrides=settings)
         for name in NODES
     }
     for made in nodes.values():
@@ -58,6 +62,16 @@ def endpoints():
     rclpy.shutdown(context=context)
 
 
+@pytest.fixture(scope="module")
+def endpoints():
+    yield from endpoints_with(Parameter("by_topic", value=",".join(TOPICS)))
+
+
+@pytest.fixture(scope="module")
+def running():
+    yield from endpoints_with()
+
+
 def topics_of(ask, name):
     full = {topic for topic, _ in ask(name, NAMESPACE)}
     above = f"{NAMESPACE}/"
@@ -76,6 +90,23 @@ def test_node_listens_to_its_row_of_the_wiring_and_to_nothing_else(endpoints, na
 @pytest.mark.parametrize("name", NODES)
 def test_node_publishes_its_row_of_the_wiring_and_nothing_else(endpoints, name):
     _, publishes = endpoints[name]
+    assert publishes - OWN == set(NODES[name].outputs.values())
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_envelopes_come_from_those_who_produce_an_input_and_from_nobody_else(running, name):
+    listens, publishes = running[name]
+    producers = {PRODUCER[topic].name for topic in NODES[name].inputs.values()}
+    if name == "leader":  # the simulator's envelopes are its clock
+        producers = {SIMULATOR}
+    assert listens & ENVELOPES == {envelope_topic(producer) for producer in producers}
+    assert publishes & ENVELOPES == {envelope_topic(name)}
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_what_an_envelope_brings_is_not_heard_a_second_time(running, name):
+    listens, publishes = running[name]
+    assert listens - OWN == (PEOPLE if name == SIMULATOR else set())
     assert publishes - OWN == set(NODES[name].outputs.values())
 
 

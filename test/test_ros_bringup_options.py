@@ -110,6 +110,13 @@ def test_ros_arguments_reach_every_node_and_parameters_are_checked_among_them():
         plan("--ros-args", "-p", "body.mass_scale:=nan")
 
 
+def test_remapped_topics_are_heard_by_name():
+    assert plan("--bag", "none").parameters["zmp_balance"].get("by_topic") == ""
+    rules = ("-r", "zmp_balance:odom:=filtered", "--remap", "/robot/imu:=other", "-r", "__ns:=/robot")
+    told = plan("--bag", "none", "--ros-args", *rules)
+    assert {values["by_topic"] for n, values in told.parameters.items() if n in NODES} == {"odom,imu"}
+
+
 def test_ros_arguments_end_at_a_double_dash():
     words = ["--bag", "none", "--ros-args", "-r", "a:=b", "--", "--composed"]
     assert split_ros_args(words) == (["--bag", "none", "--composed"], ["-r", "a:=b"])

@@ -20,6 +20,9 @@ class GraphConfig:
     tick: float = parameter(0.002, "control tick, a whole number of physics steps", "s", 0.001, 0.02)
     urdf: str = parameter("", "URDF file of the robot; empty: the package's own", path=True)
     nodes: str = parameter(ALL_NODES, "nodes of this package that run, comma-separated")
+    by_topic: str = parameter(
+        "", "topics, comma-separated, that nodes hear by name even from nodes of this package"
+    )
     autostart: bool = parameter(True, "configure and activate without a lifecycle manager")
     watchdog: float = parameter(
         10.0, "wall time after which a missing message ends the run; 0 = never", "s", 0.0, 3600.0
@@ -37,6 +40,11 @@ class GraphConfig:
             if name not in NODES and name not in (RECORDER, ARM_TASK.name):
                 raise UnknownNameError("node", name, (*NODES, ARM_TASK.name, RECORDER))
         return names
+
+    @property
+    def heard_by_topic(self) -> frozenset[str]:
+        """Topics that no node takes from an envelope, since they are remapped."""
+        return frozenset(name.strip() for name in self.by_topic.split(",") if name.strip())
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,20 @@ import sys
 from functools import partial
 
 from follower_humanoid.graph.wiring import SIMULATOR, node_wiring
+from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.component_node import ComponentNode
 from follower_humanoid.ros.managed_node import ManagedNode
 from follower_humanoid.ros.simulator_node import SimulatorNode
 from follower_humanoid.ros.spin import run
 
 
-def make(name: str) -> ManagedNode:
+def make(name: str, bus: Bus) -> ManagedNode:
     """The node of that name.
 
     Raises:
         UnknownNameError: No such node.
     """
-    return SimulatorNode() if name == SIMULATOR else ComponentNode(node_wiring(name).name)
+    return SimulatorNode(bus=bus) if name == SIMULATOR else ComponentNode(node_wiring(name).name, bus=bus)
 
 
 def main(args: list[str] | None = None) -> int:
@@ -27,7 +28,9 @@ def main(args: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--nodes", required=True, help="names, comma-separated")
     options, ros_args = parser.parse_known_args(args)
-    return run([partial(make, name) for name in options.nodes.split(",")], ros_args)
+    names = options.nodes.split(",")
+    bus = Bus(names)
+    return run([partial(make, name, bus) for name in names], ros_args, bus)
 
 
 if __name__ == "__main__":

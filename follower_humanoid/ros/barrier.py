@@ -8,7 +8,7 @@ graph that is a deadlock. Each node checks its own publishers and then announces
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 from rclpy.node import Node
@@ -43,6 +43,7 @@ class Barrier:
         self._node = node
         self._present = present
         self._publishers: list[tuple[Any, frozenset[str]]] = []
+        self._choices: list[tuple[Any, Mapping[str, Sequence[Any]]]] = []
         self._strangers: list[tuple[Any, str]] = []
         self._strangers_here_since: float | None = None
 
@@ -50,8 +51,12 @@ class Barrier:
         """Adds a publisher and the nodes that must be able to hear it."""
         self._publishers.append((publisher, frozenset(readers)))
 
+    def watch_either(self, publisher: Any, others: Mapping[str, Sequence[Any]]) -> None:
+        """Adds a publisher that each reader must be able to hear, or else all the others given for it."""
+        self._choices.append((publisher, others))
+
     def watch_stranger(self, subscription: Any, instead_of: str) -> None:
-        """Adds a subscription whose publisher is not one of this package's running nodes."""
+        """Adds a subscription whose publisher may be anybody's."""
         self._strangers.append((subscription, instead_of))
 
     def waiting_for(self) -> list[str]:
@@ -61,9 +66,14 @@ class Barrier:
             absent = self._absent_readers(publisher, readers)
             if absent:
                 missing.append(f"{', '.join(absent)} to listen to {publisher.topic_name}")
+        for publisher, others in self._choices:
+            readers = frozenset(r for r in others if not self._is_heard_by(r, others[r]))
+            absent = self._absent_readers(publisher, readers)
+            if absent:
+                missing.append(f"{', '.join(absent)} to listen to {publisher.topic_name}")
         for subscription, name in self._strangers:
             if subscription.get_publisher_count() == 0:
-                missing.append(f"a publisher of {subscription.topic_name} ({name} was left out)")
+                missing.append(f"a publisher of {subscription.topic_name} (instead of {name})")
                 self._strangers_here_since = None
         if self._strangers and not missing:
             # What a stranger listens to is not known, so it gets time to be found.
@@ -72,6 +82,10 @@ class Barrier:
             if now < self._strangers_here_since + _STRANGERS_TIME:
                 missing.append("other people's nodes to find what they listen to")
         return missing
+
+    def _is_heard_by(self, reader: str, publishers: Sequence[Any]) -> bool:
+        found = (not self._absent_readers(publisher, frozenset({reader})) for publisher in publishers)
+        return bool(publishers) and all(found)
 
     def _absent_readers(self, publisher: Any, readers: frozenset[str]) -> list[str]:
         # The count is of matched endpoints, which is what decides; the graph's list says whose

@@ -4,31 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
-from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
-from follower_humanoid.graph.lockstep import CLOCK, STALE, LockStep
-from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, NodeWiring, node_wiring, nodes_with
-from follower_humanoid.ros.barrier import RESET, Announcer, Barrier, expected_readers
-from follower_humanoid.ros.cdr import CdrWriter
-from follower_humanoid.ros.codecs import NANOSECONDS, Codec, stamp_of
-from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
+from follower_humanoid.graph.lockstep import STALE, LockStep
+from follower_humanoid.graph.wiring import SIMULATOR, NodeWiring, node_wiring
+from follower_humanoid.ros.barrier import RESET, Announcer, Barrier
+from follower_humanoid.ros.bus import Bus
+from follower_humanoid.ros.codecs import Codec, stamp_of
+from follower_humanoid.ros.inlet import Inlet
 from follower_humanoid.ros.managed_node import ManagedNode, Rate
+from follower_humanoid.ros.outlet import Outlet
 from follower_humanoid.ros.parameters import LiveConfig, declare
-from follower_humanoid.ros.people import copy_of
 from follower_humanoid.ros.qos import LOCKSTEP
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.shared_robot import shared_robot
-from follower_humanoid.ros.validation import MessageError
 
-ABSENT = "graph/absent"
 _BARRIER_POLL = 0.02
 _PATIENCE = 1.0  # wall time for a stranger who may not keep the ticks [s]
 _TELL_EVERY = 5.0
-_READ_BY_NODES = frozenset(topic for node in NODES.values() for topic in node.inputs.values())
 
 
 class LockStepNode(ManagedNode):
@@ -38,11 +33,18 @@ class LockStepNode(ManagedNode):
         wiring: The node's row of the wiring table.
         component: What the node runs, once configured.
         lock: Which messages the next step waits for.
+        bus: Connects the nodes of this process, if there are several.
+        inlet, outlet: Bring messages in and out.
         reset_at: Tick from which everything begins anew, None where no reset is on its way.
     """
 
-    def __init__(self, wiring: NodeWiring, **options: Any) -> None:
+    def __init__(self, wiring: NodeWiring, bus: Bus | None = None, **options: Any) -> None:
         """Declares the component's parameters beside the shared ones.
+
+        Args:
+            wiring: The node's row of the wiring table.
+            bus: Connects the nodes of this process; all must have been made before one is configured.
+            options: For rclpy.
 
         Raises:
             ConfigurationError: A parameter value cannot be used.
@@ -57,11 +59,14 @@ class LockStepNode(ManagedNode):
             LiveConfig(self, self.config, self._reconfigure)
         self.component: Any = None
         self.lock = self._make_lock()
+        self.bus = bus
+        self.inlet = Inlet(self)
+        if bus is not None:
+            bus.join(wiring.name, self.inlet.accept, self.run_ready_steps)
         self.started = False
         self.reset_at: int | None = None
-        self._codecs: dict[str, Codec] = {}
-        self._publishers_by_topic: dict[str, Any] = {}
-        self._copies: dict[str, Any] = {}
+        self.outlet: Outlet
+        self.codecs: dict[str, Codec] = {}
         self._own_subscriptions: list[Any] = []
         self._own_publishers: list[Any] = []
         self._barrier: Barrier | None = None
@@ -100,34 +105,30 @@ class LockStepNode(ManagedNode):
         """Reasons not to start, besides the node's own barrier."""
         return []
 
+    def readers_of_more(self) -> dict[str, list[Any]]:
+        """Nodes that need the envelopes as such, not what is in them, each with what would serve it too."""
+        return {}
+
+    def shares_process(self, name: str) -> bool:
+        """Whether another node is in this process."""
+        return self.bus is not None and name in self.bus
+
     # Lifecycle.
 
     def set_up(self) -> None:
         """Makes component and endpoints."""
         robot = shared_robot(self.graph.urdf)
         self.component = self.wiring.make(self.config, robot, self.graph.tick)
-        self._barrier = Barrier(self, self.present)
-        self._codecs = {name: Codec(name, robot) for name in (*self.wiring.inputs.values(), *self.outputs())}
-        for topic in self.outputs():
-            publisher = self.make_publisher(self._codecs[topic].message_type, topic)
-            self._publishers_by_topic[topic] = publisher
-            self._barrier.watch(publisher, expected_readers(topic, self.present) - {self.wiring.name})
-            if topic in PEOPLE_TOPICS:
-                self._copies[topic] = self.make_publisher(self._codecs[topic].message_type, copy_of(topic))
-                self._barrier.watch(self._copies[topic], {SIMULATOR} & self.present)
-        table = nodes_with(self.present)
-        readers = {n for topic in self.outputs() for n in expected_readers(topic, self.present) if n in table}
-        self._absent = self.make_publisher(Header, ABSENT)
-        self._barrier.watch(self._absent, readers)
-        self.make_subscription(Header, ABSENT, self._receive_absent)
+        self._barrier = barrier = Barrier(self, self.present)
+        self.codecs = {
+            topic: Codec(topic, robot)
+            for topic in (*self.wiring.inputs.values(), *self.wiring.outputs.values())
+        }
+        self.outlet = Outlet(self, self.codecs)
+        self.outlet.watch(barrier, self.readers_of_more())
+        self.inlet.open(self.codecs, barrier)
         if self.wiring.name != SIMULATOR:
             self.make_subscription(Header, RESET, self._receive_reset)
-        for topic in self.lock.topics:
-            self._listen(topic)
-
-    def outputs(self) -> tuple[str, ...]:
-        """Topics that the node publishes."""
-        return tuple(self.wiring.outputs.values())
 
     def start(self) -> None:
         """Looks for the others; the work begins when all are found."""
@@ -168,46 +169,7 @@ class LockStepNode(ManagedNode):
         self._own_subscriptions.append(subscription)
         return subscription
 
-    def _listen(self, topic: str) -> None:
-        if topic == CLOCK:
-            from rosgraph_msgs.msg import Clock
-
-            self.make_subscription(Clock, CLOCK, self._receive_clock)
-            return
-        codec = self._codecs[topic]
-        subscription = self.make_subscription(
-            codec.message_type,
-            copy_of(topic) if topic in PEOPLE_TOPICS else topic,
-            partial(self._receive, topic, codec.decode),
-        )
-        producer = PRODUCER[topic].name
-        if producer not in self.present and self._barrier is not None:
-            self._barrier.watch_stranger(subscription, producer)
-
-    # Messages in.
-
-    def _receive(self, topic: str, decode: Any, data: bytes) -> None:
-        tick, rest = divmod(stamp_of(data), self.tick_ns)
-        on_tick = tick if rest == 0 else None
-        if on_tick is not None and not self.lock.needs(topic, on_tick):
-            return
-        try:
-            sample = decode(data)
-        except MessageError as error:
-            self.reject(error)
-            return
-        if self.lock.put(topic, on_tick, sample):
-            self.run_ready_steps()
-
-    def _receive_clock(self, data: bytes) -> None:
-        tick = stamp_of(data) // self.tick_ns
-        if self.lock.needs(CLOCK, tick) and self.lock.put(CLOCK, tick, True):
-            self.run_ready_steps()
-
-    def _receive_absent(self, data: bytes) -> None:
-        topic = str(deserialize_message(data, Header).frame_id)
-        if topic in self.lock.topics and self.lock.put(topic, stamp_of(data) // self.tick_ns, None):
-            self.run_ready_steps()
+    # Steps.
 
     def _receive_reset(self, data: bytes) -> None:
         self.reset_at = stamp_of(data) // self.tick_ns
@@ -241,22 +203,9 @@ class LockStepNode(ManagedNode):
             if not self.lock.paced:  # a timer goes on: strangers must be heard in between
                 return
 
-    # Messages out.
-
     def publish(self, outputs: Any, tick: int) -> None:
         """Publishes every output that is there, and says of the others that they are not."""
-        stamp = tick * self.tick_ns
-        for name, topic in self.wiring.outputs.items():
-            sample = getattr(outputs, name)
-            if sample is not None:
-                data = self._codecs[topic].encode(sample, stamp)
-                if topic in self._copies:  # everybody may publish there: the copy is surely ours
-                    self._copies[topic].publish(data)
-                self._publishers_by_topic[topic].publish(data)
-            elif topic in _READ_BY_NODES:
-                header = Header(frame_id=topic)
-                header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANOSECONDS)
-                self._absent.publish(bytes(CdrWriter(header).data))
+        self.outlet.send(outputs, tick)
 
     # Start barrier and watchdog.
 
@@ -268,6 +217,7 @@ class LockStepNode(ManagedNode):
             self._barrier_timer.cancel()
             self.started = True
             self._progress_at = now
+            self.outlet.look()
             self._announcer.announce()
             self.barrier_passed()
             self.run_ready_steps()

@@ -2,7 +2,7 @@
 
 Stamps are ignored, the newest message wins, silence lets go. Messages of the built-in leader arrive
 here too, since everybody publishes on the same topics, and a subscription does not say who
-published. The leader therefore sends a copy of each on a topic of its own: what equals a copy byte
+published. The leader's envelope, which is nobody else's, holds a copy of each: what equals a copy byte
 by byte is the leader's, everything else a person's, whatever its stamp. A person's wrench takes the
 leader's place until let go.
 """
@@ -20,11 +20,6 @@ from follower_humanoid.ros.validation import MessageError
 
 _PERIOD = NODES[LEADER].period
 _REMEMBERED = 1000  # copies: 10 s, more than a message can be late
-
-
-def copy_of(topic: str) -> str:
-    """Where the built-in leader sends its copy of a message."""
-    return f"graph/{topic}"
 
 
 class PeopleWrench:

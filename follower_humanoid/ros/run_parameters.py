@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from follower_humanoid.core.topics import TOPICS
 from follower_humanoid.core.yaml_file import read_value, read_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.graph_config import RECORDER
@@ -115,3 +117,10 @@ def split_parameters(
             raise UnknownNameError("node in --ros-args", node, (*NODES, RECORDER))
         assignments.append((node, own, text))
     return tuple(rest), files, assignments
+
+
+def remapped_topics(ros_args: Sequence[str]) -> tuple[str, ...]:
+    """Topics of the tick that ROS arguments give another name, for all nodes or for one."""
+    rules = [value for word, value in pairwise(ros_args) if word in ("-r", "--remap")]
+    names = [rule.partition(":=")[0].rpartition(":")[2] for rule in rules]
+    return tuple(t for t in TOPICS if any(name == t or name.endswith(f"/{t}") for name in names))

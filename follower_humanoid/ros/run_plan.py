@@ -18,6 +18,7 @@ from follower_humanoid.ros.run_parameters import (
     KEY,
     Parameters,
     RunParameters,
+    remapped_topics,
     run_parameters,
     split_parameters,
 )
@@ -79,6 +80,8 @@ def make_plan(options: Options) -> RunPlan:
     present = ",".join((*nodes, *((RECORDER,) if options.bag else ())))
     for name in (*nodes, *((RECORDER,) if options.bag else ())):
         parameters.set(name, nodes=present, autostart=False)
+        if remapped := remapped_topics(ros_args):  # a filter may have come between: nodes go by the names
+            parameters.set(name, by_topic=",".join(remapped))
     parameters.set(SIMULATOR, duration=duration, settle=settle)
     if options.realtime:
         parameters.set(SIMULATOR, realtime=True)

@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from follower_humanoid.graph.graph_config import LEADER, RunConfig
+from follower_humanoid.graph.graph_config import LEADER, RECORDER, RunConfig
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
@@ -61,18 +61,17 @@ class SimulatorNode(LockStepNode):
 
     def set_up(self) -> None:
         """Builds the world and the endpoints, the clock among them."""
-        super().set_up()
-        robot = shared_robot(self.graph.urdf)
-        self._end = RunEnd(self.run, robot)
         self._clock_publisher = self.make_publisher(Clock, CLOCK)
+        super().set_up()
+        self._end = RunEnd(self.run, shared_robot(self.graph.urdf))
         if self._barrier is not None:
-            self._barrier.watch(self._clock_publisher, expected_readers(CLOCK, self.present))
+            self._barrier.watch(self._clock_publisher, {RECORDER} & self.present)
             self._reset_publisher = self.make_publisher(Header, RESET)
             self._barrier.watch(self._reset_publisher, self._roll_call.others)
         self._people = {topic: self._person(topic) for topic in sorted(PEOPLE_TOPICS)}
 
     def _person(self, topic: str) -> PeopleWrench:
-        codec = self._codecs[topic]
+        codec = self.codecs[topic]
         person = PeopleWrench(
             codec, self.run, self.tick_ns, self.component.knows_frame, self.tell_once, self.reject
         )
@@ -80,12 +79,13 @@ class SimulatorNode(LockStepNode):
         person.publishers = subscription.get_publisher_count
         person.now = lambda: self.lock.tick * self.graph.tick
         person.lockstepped = topic in self.lock.topics
+        self.inlet.copies[topic] = person.note_leader
         return person
 
-    def _receive(self, topic: str, decode: Any, data: bytes) -> None:
-        if topic in self._people:
-            self._people[topic].note_leader(data)
-        super()._receive(topic, decode, data)
+    def readers_of_more(self) -> dict[str, list[Any]]:
+        """Whom the clock paces."""
+        paced = expected_readers(CLOCK, self.present) - {RECORDER}
+        return {name: [self._clock_publisher] for name in paced}
 
     def still_waiting_for(self) -> list[str]:
         """Nodes that have not announced themselves."""
@@ -125,12 +125,12 @@ class SimulatorNode(LockStepNode):
             if held is not None:
                 values[self._input_of[person.topic]] = held
         inputs = self._inputs(**values)
-        self._note_voltages(inputs)
         if self.lock.tick == self.reset_at:
             self.component.reset()
         else:
             self.component.advance(inputs)
         self._publish_state()
+        self._note_voltages(inputs)
         self._look_for_end()
 
     def reset(self) -> None:
@@ -167,7 +167,8 @@ class SimulatorNode(LockStepNode):
     def _publish_state(self) -> None:
         tick = self.lock.tick
         self.publish(self.component.observe(), tick)
-        self._clock_publisher.publish(clock_bytes(tick * self.tick_ns))
+        if self._clock_publisher.get_subscription_count():
+            self._clock_publisher.publish(clock_bytes(tick * self.tick_ns))
 
     def _look_for_end(self) -> None:
         state, fall = self.component.observe(), self.component.fall

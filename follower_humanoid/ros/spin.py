@@ -23,6 +23,7 @@ from rclpy.task import Future
 from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, ManagedNode
 from follower_humanoid.ros.quiet import quiet_stderr
 
@@ -31,6 +32,7 @@ _PR_SET_PDEATHSIG = 1
 # The executor's wait without a time limit hears no signal. One with a limit looks at it only when
 # it has nothing to do, so a busy executor is stopped by a future that completes.
 _WAIT = 0.1
+_TURN = 0.005  # wall time for which steps within the process keep the executor waiting [s]
 _LAST_WORD = 0.1  # s
 _DISMISSAL = 1.5  # s
 _LONGEST_WIND_DOWN = 0.5  # s
@@ -43,11 +45,13 @@ class StopSignal:
         asked: True from then on.
         asked_at: When it first did so, on the monotonic clock [s].
         over: Completes then, or when `end` is called.
+        also: Called then too.
     """
 
     def __init__(self) -> None:
         """Takes over both signals."""
         self.asked = False
+        self.also: Callable[[], None] = lambda: None
         self.asked_at = math.inf
         self.over: Any = Future()
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -57,6 +61,7 @@ class StopSignal:
         """Wakes whoever waits for `over`."""
         if not self.over.done():
             self.over.set_result(None)
+        self.also()
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
@@ -64,8 +69,15 @@ class StopSignal:
         self.end()
 
 
-def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = None) -> int:
+def run(
+    makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = None, bus: Bus | None = None
+) -> int:
     """Makes the nodes and runs them.
+
+    Args:
+        makers: One per node.
+        args: What follows the executable's name.
+        bus: What connects the nodes.
 
     Returns:
         Exit status: 0 after a signal or a regular end, 2 for an unusable parameter, else the
@@ -80,7 +92,7 @@ def run(makers: Sequence[Callable[[], ManagedNode]], args: list[str] | None = No
         for make in makers:
             nodes.append(make())
             nodes[-1].when_over = stop.end
-        return _spin(nodes, stop)
+        return _spin(nodes, stop, bus)
     except ConfigurationError as error:
         print(error, file=sys.stderr)
         return BAD_CONFIGURATION
@@ -116,17 +128,22 @@ def _let_others_finish() -> None:
             os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
 
-def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
+def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
     executor = EventsExecutor()
     for node in nodes:
         executor.add_node(node)
+    if bus is not None:
+        stop.also = bus.call
     gc.freeze()  # what exists now stays: collections need not look at it again
     ended: ManagedNode | None = None
     try:
         while ended is None and not stop.asked and ok():
-            executor.spin_until_future_complete(stop.over, timeout_sec=_WAIT)
+            if bus is None:
+                executor.spin_until_future_complete(stop.over, timeout_sec=_WAIT)
+            else:
+                _share_time(executor, bus)
             ended = next((node for node in nodes if node.exit_status is not None), None)
-        _wind_down(executor, nodes)
+        _wind_down(executor, nodes, bus)
         for node in nodes:
             node.finish()
         _linger(executor, stop, ended is not None and PARENT in os.environ)
@@ -144,7 +161,15 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal) -> int:
     return last.exit_status
 
 
-def _wind_down(executor: Any, nodes: list[ManagedNode]) -> None:
+def _share_time(executor: Any, bus: Bus) -> None:
+    """Turns between the nodes' steps and what arrives from outside: messages, services, timers."""
+    if bus.work(_TURN):
+        executor.spin_until_future_complete(Future(), timeout_sec=0.0)
+    else:
+        executor.spin_until_future_complete(bus.called, timeout_sec=_WAIT)
+
+
+def _wind_down(executor: Any, nodes: list[ManagedNode], bus: Bus | None) -> None:
     """Lets everyone finish what has arrived, so that a run ends with the same last messages every time."""
     for node in nodes:
         node.wind_down()
@@ -152,6 +177,8 @@ def _wind_down(executor: Any, nodes: list[ManagedNode]) -> None:
     done = -1
     while time.monotonic() < deadline and done != sum(node.steps for node in nodes):
         done = sum(node.steps for node in nodes)
+        while bus is not None and bus.work(_TURN):
+            pass
         executor.spin_until_future_complete(Future(), timeout_sec=_LAST_WORD)
 
 

@@ -1,0 +1,72 @@
+"""Hands samples from node to node within one process: by reference, nothing is serialised.
+
+A node that has received what it waited for is put into a queue and takes its step from there, not
+within the step of the node that sent: however many nodes there are, no call is nested in another.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
+from rclpy.task import Future
+
+# Node that sends, tick, topic → sample, topic → the same as a message where it was made anyway.
+# Returns whether the receiver can step now.
+Accept = Callable[[str, int, Mapping[str, Any], Mapping[str, bytes]], bool]
+
+
+class Bus:
+    """The nodes of one process.
+
+    Attributes:
+        called: Completes when there is work; a fresh one after each `work`.
+    """
+
+    def __init__(self, names: Collection[str]) -> None:
+        """Args: the nodes that will join."""
+        self._names = frozenset(names)
+        self._members: dict[str, tuple[Accept, Callable[[], None]]] = {}
+        self._hearers: dict[str, dict[str, tuple[Accept, Callable[[], None]]]] = {}
+        self._ready: deque[Callable[[], None]] = deque()
+        self.called: Any = Future()
+
+    def join(self, name: str, accept: Accept, step: Callable[[], None]) -> None:
+        """Adds a node: what takes samples in, and what steps when all are there."""
+        self._members[name] = (accept, step)
+
+    def __contains__(self, name: str) -> bool:
+        """Whether a node is in this process."""
+        return name in self._names
+
+    def listen(self, name: str, producer: str) -> None:
+        """The node `name` takes in what `producer` sends from now on."""
+        self._hearers.setdefault(producer, {})[name] = self._members[name]
+
+    def post(
+        self, producer: str, tick: int, samples: Mapping[str, Any], messages: Mapping[str, bytes]
+    ) -> None:
+        """Hands one tick's samples to every listener."""
+        for accept, step in self._hearers.get(producer, {}).values():
+            if accept(producer, tick, samples, messages):
+                self._ready.append(step)
+        if self._ready:
+            self.call()
+
+    def call(self) -> None:
+        """Says that there is something to look after."""
+        if not self.called.done():
+            self.called.set_result(None)
+
+    def work(self, seconds: float) -> bool:
+        """Takes steps for a while; returns whether there are more."""
+        until = time.monotonic() + seconds
+        while self._ready:
+            self._ready.popleft()()
+            if time.monotonic() > until:
+                break
+        if not self._ready and self.called.done():
+            self.called = Future()
+        return bool(self._ready)

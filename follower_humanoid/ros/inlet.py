@@ -1,0 +1,142 @@
+"""What a lock-stepped node hears, and by which way each topic comes to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header, UInt8MultiArray
+
+from follower_humanoid.graph.lockstep import CLOCK
+from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, nodes_with
+from follower_humanoid.ros.barrier import Barrier
+from follower_humanoid.ros.codecs import Codec, stamp_of
+from follower_humanoid.ros.envelope import Envelope, envelope_topic
+from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.outlet import ABSENT
+from follower_humanoid.ros.validation import MessageError
+
+if TYPE_CHECKING:
+    from follower_humanoid.ros.lockstep_node import LockStepNode
+
+
+class Inlet:
+    """Brings every input of a node into its lock.
+
+    - From a node in the same process: the sample itself, by the bus.
+    - From another process of this graph: as part of the producer's envelope.
+    - From strangers in place of a node that was left out, and where a topic is remapped: by the public topic.
+
+    Attributes:
+        copies: Topic → who wants to see the leader's message as it is.
+    """
+
+    def __init__(self, node: LockStepNode) -> None:
+        """Args: who listens; its lock says to what."""
+        self._node = node
+        self.copies: dict[str, Callable[[bytes], None]] = {}
+        self._by_bus: dict[str, list[str]] = {}
+        self._by_envelope: dict[str, list[str]] = {}
+        self._by_topic: list[str] = []
+        for topic in node.lock.topics:
+            producer = SIMULATOR if topic == CLOCK else PRODUCER[topic].name
+            if producer not in node.present or self._is_apart(topic):
+                self._by_topic.append(topic)
+            elif node.bus is not None and producer in node.bus:
+                self._by_bus.setdefault(producer, []).append(topic)
+            else:
+                self._by_envelope.setdefault(producer, []).append(topic)
+
+    def _is_apart(self, topic: str) -> bool:
+        if topic in PEOPLE:  # the lock waits for the leader's copy, which only the envelope holds
+            return False
+        name: Any = self._node.resolve_topic_name
+        return topic in self._node.graph.heard_by_topic or name(topic) != name(topic, only_expand=True)
+
+    def open(self, codecs: Mapping[str, Codec], barrier: Barrier) -> None:
+        """Subscribes."""
+        node = self._node
+        if node.bus is not None:
+            for producer in self._by_bus:
+                node.bus.listen(node.wiring.name, producer)
+        table = nodes_with(node.present)
+        for producer, topics in self._by_envelope.items():
+            envelope = Envelope(table[producer])
+            parts = [
+                (topic, envelope.topics.index(topic), codecs[topic].decode)
+                for topic in topics
+                if topic != CLOCK
+            ]
+            receive = partial(self._receive_envelope, envelope, parts, CLOCK in topics)
+            node.make_subscription(UInt8MultiArray, envelope_topic(producer), receive)
+        for topic in self._by_topic:
+            if topic == CLOCK:
+                node.make_subscription(Clock, CLOCK, self._receive_clock)
+                continue
+            receive = partial(self._receive, topic, codecs[topic].decode)
+            subscription = node.make_subscription(codecs[topic].message_type, topic, receive)
+            barrier.watch_stranger(subscription, PRODUCER[topic].name)
+        if self._by_topic:
+            node.make_subscription(Header, ABSENT, self._receive_absent)
+
+    def accept(
+        self, producer: str, tick: int, samples: Mapping[str, Any], messages: Mapping[str, bytes]
+    ) -> bool:
+        """Takes in what a node of the same process has sent; returns whether the lock is ready now."""
+        lock, ready = self._node.lock, False
+        for topic in self._by_bus.get(producer, ()):
+            if topic in self.copies and topic in messages:
+                self.copies[topic](messages[topic])
+            if lock.needs(topic, tick):
+                ready |= lock.put(topic, tick, True if topic == CLOCK else samples[topic])
+        return ready
+
+    def _receive_envelope(
+        self, envelope: Envelope, parts: list[tuple[str, int, Any]], with_clock: bool, data: bytes
+    ) -> None:
+        node = self._node
+        lock, ready = node.lock, False
+        try:
+            stamp, messages = envelope.open(data)
+            tick = stamp // node.tick_ns
+            for topic, index, decode in parts:
+                message = messages[index]
+                if topic in self.copies and message:
+                    self.copies[topic](message)
+                if lock.needs(topic, tick):
+                    ready |= lock.put(topic, tick, decode(message) if message else None)
+        except MessageError as error:
+            node.reject(error)
+            return
+        if with_clock and lock.needs(CLOCK, tick):
+            ready |= lock.put(CLOCK, tick, True)
+        if ready:
+            node.run_ready_steps()
+
+    def _receive(self, topic: str, decode: Any, data: bytes) -> None:
+        node = self._node
+        tick, rest = divmod(stamp_of(data), node.tick_ns)
+        on_tick = tick if rest == 0 else None
+        if on_tick is not None and not node.lock.needs(topic, on_tick):
+            return
+        try:
+            sample = decode(data)
+        except MessageError as error:
+            node.reject(error)
+            return
+        if node.lock.put(topic, on_tick, sample):
+            node.run_ready_steps()
+
+    def _receive_clock(self, data: bytes) -> None:
+        lock, tick = self._node.lock, stamp_of(data) // self._node.tick_ns
+        if lock.needs(CLOCK, tick) and lock.put(CLOCK, tick, True):
+            self._node.run_ready_steps()
+
+    def _receive_absent(self, data: bytes) -> None:
+        topic = str(deserialize_message(data, Header).frame_id)
+        tick = stamp_of(data) // self._node.tick_ns
+        if topic in self._by_topic and self._node.lock.put(topic, tick, None):
+            self._node.run_ready_steps()

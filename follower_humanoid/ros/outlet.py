@@ -1,0 +1,103 @@
+"""What a lock-stepped node sends in a tick, each way as far as somebody listens there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from std_msgs.msg import Header, UInt8MultiArray
+
+from follower_humanoid.graph.graph_config import RECORDER
+from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.ros.barrier import Barrier, expected_readers
+from follower_humanoid.ros.cdr import CdrWriter
+from follower_humanoid.ros.codecs import NANOSECONDS, Codec
+from follower_humanoid.ros.envelope import Envelope, envelope_topic
+from follower_humanoid.ros.formats import PEOPLE
+
+if TYPE_CHECKING:
+    from follower_humanoid.ros.lockstep_node import LockStepNode
+
+ABSENT = "graph/absent"
+_LOOK_EVERY = 8  # messages between two looks for new listeners
+_READ_BY_NODES = frozenset(topic for node in NODES.values() for topic in node.inputs.values())
+
+
+class Outlet:
+    """Sends a node's outputs: to its own process, to other processes of the graph, and to the public.
+
+    A public topic without subscribers costs nothing: its message is not even made.
+    """
+
+    def __init__(self, node: LockStepNode, codecs: Mapping[str, Codec]) -> None:
+        """Makes the publishers. Args: who sends, and a codec per topic."""
+        self._node = node
+        self._fields = tuple(node.wiring.outputs.items())
+        self._codecs = codecs
+        self._envelope = Envelope(node.wiring)
+        self._public = {
+            topic: node.make_publisher(codecs[topic].message_type, topic) for topic in self._envelope.topics
+        }
+        self._sealed = node.make_publisher(UInt8MultiArray, envelope_topic(node.wiring.name))
+        self._absent = node.make_publisher(Header, ABSENT)
+        self._sent = 0
+        self._heard: dict[str, Any] = {}
+        self._sealed_heard = self._absent_heard = False
+
+    def watch(self, barrier: Barrier, more_ways: Mapping[str, Sequence[Any]]) -> None:
+        """Tells the barrier who must be found before the first message.
+
+        Args:
+            barrier: Of the node.
+            more_ways: Reader → publishers which it may listen to instead of the envelope.
+        """
+        node, apart = self._node, self._node.graph.heard_by_topic
+        ways = {reader: list(publishers) for reader, publishers in more_ways.items()}
+        for topic, publisher in self._public.items():
+            readers = expected_readers(topic, node.present)
+            barrier.watch(publisher, readers if topic in PEOPLE else readers & {RECORDER})
+            if topic in PEOPLE:  # by name the simulator always listens, and there as to anybody
+                ways.update({reader: [] for reader in readers - {RECORDER}})
+            elif topic not in apart:
+                for reader in readers - {RECORDER}:  # one that takes this node for a stranger goes by names
+                    ways.setdefault(reader, [self._absent]).append(publisher)
+        barrier.watch(self._absent, ())
+        barrier.watch_either(self._sealed, {r: p for r, p in ways.items() if not node.shares_process(r)})
+
+    def look(self) -> None:
+        """Finds out who listens."""
+        self._heard = {t: p for t, p in self._public.items() if t in PEOPLE or p.get_subscription_count()}
+        self._sealed_heard = self._sealed.get_subscription_count() > 0
+        self._absent_heard = self._absent.get_subscription_count() > 0
+
+    def send(self, outputs: Any, tick: int) -> None:
+        """Sends every output that is there, and says of the others that they are not."""
+        if self._sent % _LOOK_EVERY == 0:
+            self.look()
+        self._sent += 1
+        node = self._node
+        stamp = tick * node.tick_ns
+        samples = {topic: getattr(outputs, name) for name, topic in self._fields}
+        made = samples if self._sealed_heard else self._heard
+        messages = {
+            topic: self._codecs[topic].encode(samples[topic], stamp)
+            for topic in made
+            if samples[topic] is not None
+        }
+        if self._sealed_heard:  # first what others wait for
+            parts = [messages.get(topic, b"") for topic in samples]
+            self._sealed.publish(self._envelope.seal(stamp, parts))
+        if node.bus is not None:
+            node.bus.post(node.wiring.name, tick, samples, messages)
+        for topic, publisher in self._heard.items():
+            if topic in messages:
+                publisher.publish(messages[topic])
+        if self._absent_heard:
+            for topic, sample in samples.items():
+                if sample is None and topic in _READ_BY_NODES:
+                    self._say_absent(topic, stamp)
+
+    def _say_absent(self, topic: str, stamp: int) -> None:
+        header = Header(frame_id=topic)
+        header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANOSECONDS)
+        self._absent.publish(bytes(CdrWriter(header).data))

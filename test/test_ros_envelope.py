@@ -1,0 +1,48 @@
+"""What goes into an envelope comes out of it, byte for byte, and ROS 2 can read it as what it says it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import UInt8MultiArray
+
+from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.ros.envelope import Envelope
+from follower_humanoid.ros.validation import MessageError
+
+NODE = NODES["simulator"]
+STAMP = 123_456_789_012_345
+
+
+def messages(rng):
+    """One per topic, of any length."""
+    return [
+        rng.bytes(int(length)) for length in rng.integers(0, 3000, len(NODE.outputs)) * rng.integers(0, 2)
+    ]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_round_trip(seed):
+    sent = messages(np.random.default_rng(seed))
+    sent[seed] = b""
+    assert Envelope(NODE).open(Envelope(NODE).seal(STAMP, sent)) == (STAMP, sent)
+
+
+def test_it_is_a_standard_message():
+    data = Envelope(NODE).seal(STAMP, messages(np.random.default_rng(0)))
+    message = deserialize_message(data, UInt8MultiArray)
+    assert message.layout.dim == []
+    assert bytes(message.data) == data[16:]
+    assert int.from_bytes(bytes(message.data[:8]), "little") == STAMP
+
+
+@pytest.mark.parametrize("length", [0, 4, 20, 60, -1])
+def test_what_is_cut_short_is_refused(length):
+    data = Envelope(NODE).seal(STAMP, [b"abc"] * len(NODE.outputs))
+    with pytest.raises(MessageError, match="graph/simulator"):
+        Envelope(NODE).open(data[:length])
+
+
+def test_topics_stand_in_the_order_of_the_wiring():
+    assert Envelope(NODE).topics == tuple(NODE.outputs.values())
