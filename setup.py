@@ -24,6 +24,7 @@ PYTHON_REQUIREMENTS = [
     "pybullet>=3.2.7",  # earlier ones double the torques of the wrist sensors
     "pyyaml",
     "scipy",
+    "viser>=1.1",
     "zstandard",
 ]
 ROS_REQUIREMENTS = [
@@ -41,6 +42,7 @@ TEST_REQUIREMENTS = [
     "rosbags",
     "ruff",
     "scipy-stubs",
+    "selenium",
     "setuptools>=70.1",
     "types-PyYAML",
 ]

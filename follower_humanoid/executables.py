@@ -26,6 +26,7 @@ EXECUTABLES: tuple[str, ...] = (
     "report",
     "arm_experiment",
     "replay",
+    "viewer",
 )
 
 

@@ -20,7 +20,7 @@ ALLOWED: dict[str, set[str]] = {
     "leader": set(),
     **dict.fromkeys(CHAIN, CHAIN),
     "bag": {"graph"},
-    "graph": {"bag"},
+    "graph": {"bag", "viewer"},
 }
 
 

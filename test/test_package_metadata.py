@@ -25,6 +25,7 @@ ROSDEP = {
     "mcap": None,
     "pinocchio": None,
     "pybullet": None,
+    "viser": None,
     "zstandard": None,
 }
 # Import name → requirement in setup.py, where they differ.

@@ -9,6 +9,7 @@ from follower_humanoid.errors import UnknownNameError
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR
 
 RECORDER = "recorder"
+VIEWER = "viewer"
 LEADER = "leader"
 ALL_NODES = ",".join(NODES)
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from follower_humanoid.bag.recorder import RecorderConfig
 from follower_humanoid.core.config import ParameterInfo, parameter, parameters_of
-from follower_humanoid.graph.graph_config import RECORDER, GraphConfig, shared_config_classes
+from follower_humanoid.graph.graph_config import RECORDER, VIEWER, GraphConfig, shared_config_classes
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, node_wiring
+from follower_humanoid.viewer.config import ViewerConfig
 
 
 @dataclass(frozen=True)
@@ -19,12 +20,13 @@ class RosConfig:
 
 def node_names() -> tuple[str, ...]:
     """Every node that a parameter file may name, in the order of the wiring table."""
-    return (*NODES, ARM_TASK.name, RECORDER)
+    return (*NODES, ARM_TASK.name, RECORDER, VIEWER)
 
 
 def config_classes(node: str) -> tuple[type, ...]:
     """The configuration dataclasses of a node: its own, then what it shares with others."""
-    own = RecorderConfig if node == RECORDER else node_wiring(node).component_class().Config
+    beside = {RECORDER: RecorderConfig, VIEWER: ViewerConfig}
+    own = beside[node] if node in beside else node_wiring(node).component_class().Config
     return (own, *shared_config_classes(node), RosConfig)
 
 

@@ -12,20 +12,8 @@ from matplotlib.figure import Figure
 from follower_humanoid.control.arm_modes import COMPENSATION
 from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.record import Run
-from follower_humanoid.pictures.style import (
-    AXIS_COLORS,
-    BAND,
-    COMMAND,
-    LEFT,
-    MIDDLE,
-    PLAN,
-    View,
-    end_of,
-    figure,
-    legend,
-    stacked_axes,
-    widen,
-)
+from follower_humanoid.pictures.palette import AXIS_COLORS, BAND, COMMAND, LEFT, MIDDLE, PLAN
+from follower_humanoid.pictures.style import View, end_of, figure, legend, stacked_axes, widen
 
 TARGET = "left_hand/target"
 _CHAIN = ("l_upper_arm", "l_forearm", "l_wrist", "l_gripper")

@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
 from follower_humanoid.core.samples import SIDES, Array, Side
-from follower_humanoid.pictures.style import BAND, PCM, SIDE_COLORS, WIDTH, ZMP, View, figure
+from follower_humanoid.pictures.palette import BAND, PCM, SIDE_COLORS, ZMP
+from follower_humanoid.pictures.style import WIDTH, View, figure
 
 _MARGIN = 0.12
 _NUMBER_AT = (-0.045, 0.028)  # in the sole frame: outside of the heel, clear of the ZMP

@@ -10,19 +10,8 @@ from matplotlib.figure import Figure
 
 from follower_humanoid.core.samples import SIDES, Array
 from follower_humanoid.graph.record import Run
-from follower_humanoid.pictures.style import (
-    AXIS_COLORS,
-    LEFT,
-    MIDDLE,
-    RIGHT,
-    SIDE_COLORS,
-    View,
-    end_of,
-    figure,
-    legend,
-    stacked_axes,
-    widen,
-)
+from follower_humanoid.pictures.palette import AXIS_COLORS, LEFT, MIDDLE, RIGHT, SIDE_COLORS
+from follower_humanoid.pictures.style import View, end_of, figure, legend, stacked_axes, widen
 
 LIMBS = ("left leg", "right leg", "trunk and neck", "left arm", "right arm")
 

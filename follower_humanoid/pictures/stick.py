@@ -10,7 +10,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from follower_humanoid.pictures.style import LEFT, MIDDLE, RIGHT, WIDTH, View, figure
+from follower_humanoid.pictures.palette import LEFT, MIDDLE, RIGHT
+from follower_humanoid.pictures.style import WIDTH, View, figure
 
 _COLORS = {"l": LEFT, "r": RIGHT, "": MIDDLE}
 _MARGIN = 0.3

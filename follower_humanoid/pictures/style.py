@@ -11,18 +11,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from follower_humanoid.core.samples import SIDES, Side
+from follower_humanoid.core.samples import SIDES
 from follower_humanoid.graph.record import Integers, Run
 from follower_humanoid.pictures.body import Body
 from follower_humanoid.pictures.steps import Step, find_steps
 
-# Colours that colour-blind readers can tell apart (Okabe and Ito).
-LEFT, RIGHT, MIDDLE = "#0072B2", "#D55E00", "#444444"
-ZMP, PCM, PLAN, COMMAND, BAND = "#CC3377", "#009E73", "#222222", "#E69F00", "#DDDDDD"
-SIDE_COLORS = {Side.LEFT: LEFT, Side.RIGHT: RIGHT}
 RUN_COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC3377", "#E69F00", "#56B4E9", "#000000")
-
-AXIS_COLORS = ("#0072B2", "#E69F00", "#009E73")  # x, y, z
 
 FEET = tuple(f"{side.value}_foot/wrench" for side in SIDES)
 

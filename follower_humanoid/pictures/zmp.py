@@ -11,18 +11,8 @@ from matplotlib.figure import Figure
 from follower_humanoid.balance.zmp import convex_hull, polygon_margin
 from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.record import Run, Series
-from follower_humanoid.pictures.style import (
-    BAND,
-    COMMAND,
-    PCM,
-    PLAN,
-    ZMP,
-    View,
-    end_of,
-    figure,
-    legend,
-    stacked_axes,
-)
+from follower_humanoid.pictures.palette import BAND, COMMAND, PCM, PLAN, ZMP
+from follower_humanoid.pictures.style import View, end_of, figure, legend, stacked_axes
 
 
 def zmp_figure(compared: Sequence[View]) -> Figure:

@@ -13,12 +13,10 @@ from pathlib import Path
 from typing import NoReturn
 
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
-from follower_humanoid.executables import EXECUTABLES
 from follower_humanoid.graph.wiring import NODES
 
 NONE = "none"
 DEFAULT_LEADER = "fig4"
-VIEWER = "viewer"
 _NAMESPACE = re.compile(r"(/?[A-Za-z_][A-Za-z0-9_]*)(/[A-Za-z_][A-Za-z0-9_]*)*/?")
 
 
@@ -102,8 +100,6 @@ def parse(args: Sequence[str]) -> Options:
     """
     own, ros_args = split_ros_args(args)
     given = _parser().parse_args(own)
-    if given.view and VIEWER not in EXECUTABLES:
-        raise ConfigurationError("--view: this version of the package has no viewer")
     for name in given.without:
         if name not in NODES:
             raise UnknownNameError("node for --without", name, NODES)

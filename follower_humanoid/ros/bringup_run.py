@@ -15,10 +15,9 @@ import yaml
 from lifecycle_msgs.msg import Transition
 from rclpy.utilities import ok, try_shutdown
 
-from follower_humanoid.graph.graph_config import RECORDER
+from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
-from follower_humanoid.ros.bringup_options import VIEWER
 from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
 from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
@@ -106,7 +105,7 @@ class BringupRun:
         if plan.options.bag:
             self._crew.start(RECORDER, [*node_command(RECORDER), *arguments], (RECORDER,))
         if plan.options.view:
-            self._crew.start(VIEWER, [*node_command(VIEWER), *arguments], ())
+            self._crew.start(VIEWER, [*node_command(VIEWER), *arguments], (), vital=False)
 
     def _lead_to_activity(self) -> End | None:
         """Configures and activates everyone, the simulator last; returns an end that came too early.

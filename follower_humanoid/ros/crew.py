@@ -20,11 +20,13 @@ class Member:
         name: Executable.
         nodes: Nodes in it.
         process: The running process.
+        vital: False where the run goes on without it.
     """
 
     name: str
     nodes: tuple[str, ...]
     process: subprocess.Popen[bytes]
+    vital: bool = True
 
 
 def child_environment() -> dict[str, str]:
@@ -45,7 +47,7 @@ class Crew:
         self.members: list[Member] = []
         self._environment = {**child_environment(), **environment}
 
-    def start(self, name: str, command: Sequence[str], nodes: tuple[str, ...]) -> None:
+    def start(self, name: str, command: Sequence[str], nodes: tuple[str, ...], vital: bool = True) -> None:
         """Starts one process, in a session of its own: Ctrl-C reaches bringup alone, which ends the others.
 
         What it prints to stdout is dropped: nodes log to stderr, and stdout is bringup's.
@@ -57,11 +59,11 @@ class Crew:
             stdout=subprocess.DEVNULL,
             start_new_session=True,
         )
-        self.members.append(Member(name, nodes, process))
+        self.members.append(Member(name, nodes, process, vital))
 
     def ended(self) -> Member | None:
-        """The first member whose process is over."""
-        return next((m for m in self.members if m.process.poll() is not None), None)
+        """The first member whose process is over, of those that the run needs."""
+        return next((m for m in self.members if m.vital and m.process.poll() is not None), None)
 
     def stop(self, deadline: Callable[[], float], idle: Callable[[float], None], last: str = "") -> None:
         """Ends everyone: politely, then for good.

@@ -11,7 +11,7 @@ from typing import Any
 from follower_humanoid.core.topics import TOPICS
 from follower_humanoid.core.yaml_file import read_value, read_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
-from follower_humanoid.graph.graph_config import RECORDER
+from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import ARM_TASK, NODES
 from follower_humanoid.resources import share_path
 from follower_humanoid.ros.quiet import quiet_stderr
@@ -82,7 +82,7 @@ def _unchecked(path: Path) -> Parameters | None:
     content = read_yaml(path)
     try:
         common = content["/**"][KEY]
-        return {node: {**common, **content.get(node, {}).get(KEY, {})} for node in (*NODES, RECORDER)}
+        return {node: {**common, **content.get(node, {}).get(KEY, {})} for node in (*NODES, RECORDER, VIEWER)}
     except (AttributeError, KeyError, TypeError):
         return None
 
@@ -113,8 +113,8 @@ def split_parameters(
         if not sign:
             raise ConfigurationError(f"--ros-args {word} {value}: needs NAME:=VALUE")
         node, _, own = name.rpartition(":")
-        if node and node not in (*NODES, ARM_TASK.name, RECORDER):
-            raise UnknownNameError("node in --ros-args", node, (*NODES, RECORDER))
+        if node and node not in (*NODES, ARM_TASK.name, RECORDER, VIEWER):
+            raise UnknownNameError("node in --ros-args", node, (*NODES, RECORDER, VIEWER))
         assignments.append((node, own, text))
     return tuple(rest), files, assignments
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from follower_humanoid.graph.graph_config import LEADER, RECORDER
+from follower_humanoid.graph.graph_config import LEADER, RECORDER, VIEWER
 from follower_humanoid.graph.wiring import NODES, SIMULATOR
 from follower_humanoid.resources import share_path
 from follower_humanoid.ros.bringup_options import NONE, Options, bag_folder
@@ -82,6 +82,8 @@ def make_plan(options: Options) -> RunPlan:
         parameters.set(name, nodes=present, autostart=False)
         if remapped := remapped_topics(ros_args):  # a filter may have come between: nodes go by the names
             parameters.set(name, by_topic=",".join(remapped))
+    if options.view:  # an observer: nobody waits for it, it starts itself
+        parameters.set(VIEWER, nodes=present)
     parameters.set(SIMULATOR, duration=duration, settle=settle)
     if options.realtime:
         parameters.set(SIMULATOR, realtime=True)
@@ -121,7 +123,7 @@ def _spoken(options: Options) -> list[str]:
     if options.duration is not None:
         words += ["--duration", repr(options.duration)]
     words += [word for name in options.without for word in ("--without", name)]
-    words += ["--composed"] * options.composed + ["--realtime"] * options.realtime
+    words += ["--composed"] * options.composed + ["--realtime"] * options.realtime + ["--view"] * options.view
     words += [word for path in options.params for word in ("--params", str(path))]
     if options.namespace:
         words += ["--namespace", options.namespace]

@@ -1,0 +1,53 @@
+"""Executable: `viewer` shows the running robot in the browser, `viewer --bag BAG` a recorded run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.ros.bringup_options import split_ros_args
+from follower_humanoid.ros2_front.verbs import Parser
+
+BAD_USAGE = 2
+
+
+def main(args: list[str] | None = None) -> int:
+    """Runs the viewer; returns the exit status."""
+    own, ros_args = split_ros_args(sys.argv[1:] if args is None else args)
+    try:
+        given = _parser().parse_args(own)
+        if given.bag is not None:
+            from follower_humanoid.viewer.bag_page import show_bag
+
+            return show_bag(given.bag, given.namespace, given.host, given.port)
+        from follower_humanoid.ros.spin import run
+        from follower_humanoid.ros.viewer_node import ViewerNode
+
+        # Options come after files and assignments, and win.
+        told = [f"{name}:={value}" for name, value in (("host", given.host), ("port", given.port)) if value]
+        words = [word for assignment in told for word in ("-p", assignment)]
+        return int(run([ViewerNode], ["--ros-args", *ros_args, *words]))
+    except ConfigurationError as error:
+        print(error, file=sys.stderr)
+        return BAD_USAGE
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="viewer",
+        description="Shows the robot in the browser and lets people take its hand; its address is printed.",
+        epilog="Exit status: 0 stopped, 2 bad usage or an unusable bag.",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("--bag", metavar="BAG", type=Path, help="a recorded run in place of the running robot")
+    add("--namespace", metavar="NS", help="which robot, where the bag holds several")
+    add("--host", default="", help="address on which the page is offered (default: 127.0.0.1)")
+    add("--port", type=int, default=0, help="first port to try (default: 8080)")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,57 @@
+"""What people at the viewer's page do to the robot, published like any other leader's wrenches."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from follower_humanoid.core.samples import SIDES, Array, Side, Wrench
+from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.ros.codecs import Codec
+from follower_humanoid.ros.qos import PEOPLE
+from follower_humanoid.viewer.push import Push
+
+_PUSH = "base/push"
+_LET_GO = 0.3  # wall time for which it is told that a hand was let go [s]
+
+
+class Leading:
+    """Publishers that exist only once they are needed: a leader that does nothing disturbs nobody."""
+
+    def __init__(self, node: Any, robot: RobotModel) -> None:
+        """Args: whose publishers, and the robot that is led."""
+        self._node, self._robot = node, robot
+        self._publishers: dict[str, tuple[Codec, Any]] = {}
+        self._pulled_at: dict[Side, float] = {}
+        self.push = Push()
+
+    def pull(self, forces: Mapping[Side, Array | None], stamp: int) -> None:
+        """Publishes the forces of hands that are held [N], and zero for a while once they are not."""
+        now = time.monotonic()
+        for side in SIDES:
+            force = forces.get(side)
+            if force is not None:
+                self._pulled_at[side] = now
+            elif now - self._pulled_at.get(side, -_LET_GO) >= _LET_GO:
+                continue
+            self._publish(f"leader/{side.value}_hand/wrench", np.zeros(3) if force is None else force, stamp)
+
+    def go_on_pushing(self, stamp: int) -> None:
+        """Publishes what the push is now, while there is one."""
+        if self.push.active:
+            self._publish(_PUSH, self.push.force(stamp / 1e9), stamp)
+
+    def let_go(self, stamp: int) -> None:
+        """Tells that nobody holds on any more."""
+        for topic in self._publishers:
+            self._publish(topic, np.zeros(3), stamp)
+
+    def _publish(self, topic: str, force: Array, stamp: int) -> None:
+        if topic not in self._publishers:
+            codec = Codec(topic, self._robot)
+            self._publishers[topic] = codec, self._node.create_publisher(codec.message_type, topic, PEOPLE)
+        codec, publisher = self._publishers[topic]
+        publisher.publish(codec.encode(Wrench(force, np.zeros(3), "world"), max(stamp, 0)))

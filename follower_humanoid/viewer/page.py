@@ -1,0 +1,202 @@
+"""The page: scene, state in words, plots, and what people do on it."""
+
+from __future__ import annotations
+
+import io
+import socket
+import threading
+import time
+from collections.abc import Callable
+from contextlib import redirect_stdout, suppress
+from html import escape
+from typing import Any
+
+import viser
+
+from follower_humanoid.core.samples import SIDES, Array, Side
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.pictures.palette import DCM, FORCE, PCM, ZMP
+from follower_humanoid.viewer.config import ViewerConfig
+from follower_humanoid.viewer.hands import Hands
+from follower_humanoid.viewer.leash import Leashes
+from follower_humanoid.viewer.moment import Moment, Trail
+from follower_humanoid.viewer.panel import LeadPanel, ViewPanel
+from follower_humanoid.viewer.plots import Plots
+from follower_humanoid.viewer.skeleton import Skeleton
+from follower_humanoid.viewer.stage import Stage
+from follower_humanoid.viewer.words import BAD, GOOD, WAITING, figures, state_words
+
+_WORDS_EVERY = 0.25  # wall time between two looks at the words [s]
+_PLOTS_EVERY = 0.2
+_HEARTBEAT = 0.3  # wall time between two questions to a page that holds a hand [s]
+_COLORS = {GOOD: "#2b8a3e", WAITING: "#868e96", BAD: "#c92a2a"}
+_LEGEND = (("CoM", PCM), ("ZMP", ZMP), ("capture point", DCM), ("force", FORCE))
+
+
+class Page:
+    """What is offered at one address.
+
+    Attributes:
+        hands: Who holds the robot's hands.
+        push: Called with an impulse [N·s] when somebody pushes; None: no such button.
+        reset: Called when somebody wants the robot back on its feet.
+    """
+
+    def __init__(
+        self,
+        config: ViewerConfig,
+        skeleton: Skeleton,
+        push: Callable[[Array], None] | None = None,
+        reset: Callable[[], None] | None = None,
+        extra: Callable[[viser.GuiApi], None] | None = None,
+    ) -> None:
+        """Opens the page.
+
+        Args:
+            config: Where, and how hard people may pull.
+            skeleton: The robot.
+            push, reset: What to do with the buttons of a live robot; None for a recorded one.
+            extra: Adds its own controls below the state.
+        """
+        _check_address(config.host)
+        with redirect_stdout(io.StringIO()):  # viser announces itself; one line of ours is enough
+            self._server = viser.ViserServer(config.host, config.port, verbose=False)
+        self._config = config
+        self.hands = Hands(config.pull)
+        self._lock = threading.Lock()
+        self._furnish()
+        self._stage = Stage(self._server.scene, skeleton)
+        self._state = self._server.gui.add_html("")
+        if extra is not None:
+            extra(self._server.gui)
+        self._lead: LeadPanel | None = None
+        self._leashes: Leashes | None = None
+        if push is not None and reset is not None:
+            self._leashes = Leashes(self._server, self._stage, self.hands)
+            self._lead = LeadPanel(self._server.gui, config.pull, self.hands, push, reset)
+        self._view = ViewPanel(self._server)
+        plots = self._server.gui.add_panel()
+        with plots.add_tab("Curves", viser.Icon.CHART_LINE):
+            self._plots = Plots(self._server.gui, () if push else ("Real-time factor",))
+        plots.dock_left()
+        plots.set_width(300)
+        self._worded = self._plotted = 0.0
+        self._words = ""
+        self._over = threading.Event()
+        self._server.on_client_disconnect(self._gone)
+        self._heart = threading.Thread(target=self._beat, daemon=True)
+        self._heart.start()
+
+    @property
+    def address(self) -> str:
+        """Where the page is."""
+        host = self._server.get_host()
+        shown = "127.0.0.1" if host in ("0.0.0.0", "::") else host
+        return f"http://{shown}:{self._server.get_port()}"
+
+    @property
+    def watched(self) -> bool:
+        """Whether anybody has the page open."""
+        return bool(self._server.get_clients())
+
+    def show(self, moment: Moment, trail: Trail) -> None:
+        """Draws a moment."""
+        with self._server.atomic():
+            self._stage.draw(moment, trail, self._view.follow)
+            if self._leashes is not None:
+                self._leashes.draw()
+        self._plots.add(moment)
+        now = time.monotonic()
+        if now - self._worded > _WORDS_EVERY:
+            self._worded = now
+            self._say(moment)
+            if self._lead is not None:
+                self._lead.refresh()
+        if now - self._plotted > _PLOTS_EVERY:
+            self._plotted = now
+            self._plots.show()
+
+    def forces(self) -> dict[Side, Array | None]:
+        """What people do to the hands now [N]; None where nobody holds on."""
+        now = time.monotonic()
+        return {side: self.hands.force(side, self.hand(side), now) for side in SIDES}
+
+    def hand(self, side: Side) -> Array:
+        """Where a hand is in the picture, shape (3,) [m]."""
+        return self._stage.skeleton.position(f"{side.prefix}_gripper") + self._stage.offset
+
+    def close(self, words: str) -> None:
+        """Says a last word and goes; pages keep it."""
+        self._over.set()
+        self.hands.let_all_go()
+        self._write(WAITING, words, [])
+        self._server.flush()
+        time.sleep(0.3)  # a word that is on its way arrives
+        with redirect_stdout(io.StringIO()):
+            self._server.stop()
+
+    def _furnish(self) -> None:
+        server = self._server
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
+        server.gui.set_panel_label("Follower")
+        server.gui.main_panel.dock_right()
+        server.scene.configure_default_lights(cast_shadow=self._config.shadows)
+        server.initial_camera.position = (2.0, -2.3, 1.45)
+        server.initial_camera.look_at = (0.05, 0.0, 0.78)
+        server.initial_camera.fov = 0.72
+
+    def _say(self, moment: Moment) -> None:
+        self._write(*state_words(moment), figures(moment) if moment.has_robot else [])
+
+    def _write(self, mood: str, words: str, rows: list[tuple[str, str]]) -> None:
+        cells = "".join(
+            f'<tr><td style="opacity:.7">{escape(name)}</td>'
+            f'<td style="text-align:right;font-variant-numeric:tabular-nums">{escape(value)}</td></tr>'
+            for name, value in rows
+        )
+        dots = "".join(
+            f'<span style="white-space:nowrap;margin-right:.8em"><span style="color:{color}">●</span> {name}'
+            "</span>"
+            for name, color in _LEGEND
+        )
+        text = (
+            f'<div role="status" style="padding:.2em .8em .5em;font-size:.86em">'
+            f'<div style="font-weight:600;font-size:1.15em;color:{_COLORS[mood]}">{escape(words)}</div>'
+            f'<table style="width:100%;border-spacing:0;margin:.3em 0">{cells}</table>'
+            f'<div style="font-size:.92em">{dots}</div></div>'
+        )
+        if text != self._words:
+            self._words = text
+            self._state.content = text
+
+    def _gone(self, client: Any) -> None:
+        self.hands.gone(client.client_id)
+
+    def _beat(self) -> None:
+        """Asks pages that hold a hand whether they are still there."""
+        while not self._over.wait(_HEARTBEAT):
+            for number in self.hands.pages():
+                client = self._server.get_clients().get(number)
+                if client is None:
+                    self.hands.gone(number)
+                    continue
+                # No answer in time: nothing is heard, and its hold runs out.
+                with suppress(RuntimeError, TimeoutError):
+                    client.local_storage.get_item("follower", timeout=self._config.pull.patience)
+                    self.hands.heard(number, time.monotonic())
+
+
+def _check_address(host: str) -> None:
+    """Whether a server can be reached there: viser itself would try forever.
+
+    Raises:
+        ConfigurationError: Not an address of this machine.
+    """
+    try:
+        family = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0][0]
+        with socket.socket(family, socket.SOCK_STREAM) as probe:
+            probe.bind((host, 0))
+    except OSError as error:
+        raise ConfigurationError(
+            f"viewer: host '{host}': {error.strerror}; valid: 127.0.0.1, 0.0.0.0"
+        ) from None

@@ -1,0 +1,109 @@
+"""Curves beside the scene: the last seconds of forces, gait, ZMP margin, voltage, speed."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+import viser.uplot
+
+from follower_humanoid.core.samples import SIDES, Side
+from follower_humanoid.pictures.palette import AXIS_COLORS, DCM, PCM, SIDE_COLORS, ZMP
+from follower_humanoid.viewer.moment import Moment
+
+WINDOW = 12.0
+"""Length of the curves [s]."""
+_STEP = 0.05  # between two points [s]
+_LONGEST = round(WINDOW / _STEP) + 1
+_HEIGHT = 132  # pixels
+# A line that stays at zero lies in the middle of −1 to 1.
+_SOFT: Any = {"min": {"soft": -1.0, "mode": 2, "pad": 0.1}, "max": {"soft": 1.0, "mode": 2, "pad": 0.1}}
+_SCALES = {"x": viser.uplot.Scale(time=False), "y": viser.uplot.Scale(range=_SOFT)}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line of a plot: its name, colour, and value at a moment (NaN: none)."""
+
+    name: str
+    color: str
+    value: Callable[[Moment], float]
+
+
+def _gait(name: str) -> Callable[[Moment], float]:
+    return lambda moment: getattr(moment["gait"], name) if "gait" in moment else np.nan
+
+
+def _pull(side: Side, axis: int) -> Callable[[Moment], float]:
+    return lambda moment: float(moment.force(f"{side.value}_hand/applied")[axis])
+
+
+def _carried(side: Side) -> Callable[[Moment], float]:
+    return lambda moment: float(moment.force(f"{side.value}_foot/wrench")[2])
+
+
+PLOTS: Mapping[str, Sequence[Curve]] = {
+    **{
+        f"Force on the {side.value} hand [N]": [
+            Curve(name, color, _pull(side, axis))
+            for axis, (name, color) in enumerate(zip("xyz", AXIS_COLORS, strict=True))
+        ]
+        for side in SIDES
+    },
+    "Gait [of nominal]": [
+        Curve("speed", DCM, _gait("walk_speed")),
+        Curve("length", PCM, _gait("step_length")),
+    ],
+    "Weight on the feet [N]": [Curve(side.value, SIDE_COLORS[side], _carried(side)) for side in SIDES],
+    "ZMP margin [mm]": [Curve("margin", ZMP, lambda moment: 1000.0 * moment.zmp_margin())],
+    "Largest voltage [V]": [Curve("voltage", AXIS_COLORS[1], Moment.peak_voltage)],
+    "Real-time factor": [Curve("factor", AXIS_COLORS[0], lambda moment: moment.speed)],
+}
+
+
+class Plots:
+    """The plots of a page."""
+
+    def __init__(self, gui: viser.GuiApi, without: Sequence[str] = ()) -> None:
+        """Adds the plots where the GUI's context is; `without` names those that are left out."""
+        self._plots = {title: curves for title, curves in PLOTS.items() if title not in without}
+        self._rows: deque[list[float]] = deque(maxlen=_LONGEST)
+        self._handles: list[Any] = []
+        for title, curves in self._plots.items():
+            series = [viser.uplot.Series(label="t")]
+            series += [viser.uplot.Series(label=c.name, stroke=c.color, width=1.5) for c in curves]
+            self._handles.append(
+                gui.add_uplot(
+                    tuple(np.zeros(1) for _ in series),
+                    tuple(series),
+                    title=title,
+                    scales=_SCALES,
+                    legend=viser.uplot.Legend(show=len(curves) > 1, live=False),
+                    height=_HEIGHT,
+                )
+            )
+
+    def add(self, moment: Moment) -> bool:
+        """Takes a moment in; False where too little time has passed for a new point."""
+        last = self._rows[-1][0] if self._rows else -np.inf
+        if last <= moment.time < last + _STEP:
+            return False
+        if moment.time < last:  # another run, or a bag wound back
+            self._rows.clear()
+        values = [curve.value(moment) for curves in self._plots.values() for curve in curves]
+        self._rows.append([moment.time, *values])
+        return True
+
+    def show(self) -> None:
+        """Sends the curves to the pages."""
+        if not self._rows:
+            return
+        table = np.array(self._rows)
+        column = 1
+        for handle, curves in zip(self._handles, self._plots.values(), strict=True):
+            handle.data = (table[:, 0], *(table[:, column + i] for i in range(len(curves))))
+            column += len(curves)

@@ -1,0 +1,77 @@
+"""Where every frame of the robot is, from joint angles and base pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from follower_humanoid.core.samples import Array, Joints, Odometry, Side
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.resources import share_path
+
+_AROUND = (1, 3, 5, 6, 4, 2)  # contact points along the one edge of a sole and back along the other
+
+
+class Skeleton:
+    """Forward kinematics of one posture after the other.
+
+    Attributes:
+        urdf: Text of the model.
+        joint_names: Order of the joints in a posture.
+    """
+
+    def __init__(self, urdf: str = "", joint_names: Sequence[str] = ()) -> None:
+        """Makes the model.
+
+        Args:
+            urdf: Text of the URDF; empty: the package's own.
+            joint_names: Order of the joints in what is placed; empty: that of the model.
+
+        Raises:
+            ConfigurationError: The URDF is malformed or has other joints.
+        """
+        self.urdf = urdf or share_path("urdf/follower.urdf").read_text(encoding="utf-8")
+        try:
+            self._model = pin.buildModelFromXML(self.urdf, pin.JointModelFreeFlyer())
+        except (ValueError, RuntimeError) as error:
+            raise ConfigurationError(f"the URDF is malformed: {' '.join(str(error).split())}") from None
+        own = tuple(self._model.names)[2:]
+        self.joint_names = tuple(joint_names) or own
+        if set(self.joint_names) != set(own):
+            raise ConfigurationError("the URDF does not have the joints of the robot that is shown")
+        self._columns = [self.joint_names.index(name) for name in own]
+        self._data = self._model.createData()
+        self._ids = {frame.name: number for number, frame in enumerate(self._model.frames)}
+        self.standing()
+
+    def standing(self) -> None:
+        """Places the zero posture with the soles on the ground."""
+        q = pin.neutral(self._model)
+        pin.framesForwardKinematics(self._model, self._data, q)
+        q[2] = -self.pose("l_sole").translation[2]
+        pin.framesForwardKinematics(self._model, self._data, q)
+
+    def place(self, odometry: Odometry, joints: Joints) -> None:
+        """Takes a posture; what is asked for afterwards is of this one."""
+        q = np.concatenate((odometry.position, odometry.quat_xyzw, joints.position[self._columns]))
+        pin.framesForwardKinematics(self._model, self._data, q)
+
+    def pose(self, frame: str) -> pin.SE3:
+        """Placement of a frame of the URDF in world."""
+        return self._data.oMf[self._ids[frame]]
+
+    def position(self, frame: str) -> Array:
+        """Origin of a frame in world, shape (3,) [m]."""
+        return np.array(self.pose(frame).translation)
+
+    def pose_wxyz(self, frame: str) -> tuple[Array, Array]:
+        """Position in world, shape (3,) [m], and quaternion (w, x, y, z) of a frame."""
+        xyz_xyzw = pin.SE3ToXYZQUAT(self.pose(frame))
+        return xyz_xyzw[:3], xyz_xyzw[[6, 3, 4, 5]]
+
+    def sole_outline(self, side: Side) -> Array:
+        """Corners of a sole in order with its toe as it is, in the sole frame, shape (6, 3) [m]."""
+        sole = self.pose(f"{side.prefix}_sole")
+        return np.array([sole.actInv(self.position(f"{side.prefix}_contact_{n}")) for n in _AROUND])

@@ -1,0 +1,210 @@
+"""The scene: robot, ground, footprints, support polygon, ZMP, CoM, capture point, forces, trail.
+
+It is drawn into viser's scene. Everything hangs below the frame `/world`; when the picture follows the robot,
+that frame moves the other way, so that nobody's camera is touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import viser
+
+from follower_humanoid.core.samples import SIDES, Array, Footstep, Footsteps, Side
+from follower_humanoid.pictures.palette import (
+    DCM,
+    FOOT_FORCE_SCALE,
+    FORCE,
+    HAND_FORCE_SCALE,
+    PCM,
+    SIDE_COLORS,
+    ZMP,
+)
+from follower_humanoid.viewer.meshes import disc, fan, link_meshes
+from follower_humanoid.viewer.moment import Moment, Trail
+from follower_humanoid.viewer.skeleton import Skeleton
+
+ROBOT = "/world/robot"
+_CORNERS = 12  # of a support polygon: two feet of six points
+_POINTS = {"com": (PCM, 0.030), "zmp": (ZMP, 0.022), "dcm": (DCM, 0.026)}
+_NOTHING = 0.05  # a shorter arrow is not drawn [m]
+# Heights over the ground, so that nothing flickers through what it lies on [m].
+_TRAIL, _PRINT, _POLYGON, _POINT = 0.002, 0.004, 0.006, 0.009
+
+
+def rgb(color: str) -> tuple[int, int, int]:
+    """`#RRGGBB` as three numbers, 0…255."""
+    red, green, blue = (int(color[at : at + 2], 16) for at in (1, 3, 5))
+    return red, green, blue
+
+
+class Stage:
+    """Draws moments into a scene."""
+
+    def __init__(self, scene: viser.SceneApi, skeleton: Skeleton) -> None:
+        """Puts everything there, the robot standing at the origin."""
+        self._scene, self._skeleton = scene, skeleton
+        self._outlines = {side: skeleton.sole_outline(side) for side in SIDES}
+        self._world = scene.add_frame("/world", show_axes=False)
+        self._lay_ground()
+        self._links: dict[str, Any] = {}
+        self._build_robot()
+        self._points = {name: self._add_point(name, *look) for name, look in _POINTS.items()}
+        self._polygon = self._add_polygon()
+        self._hand_arrows = self._add_arrows("hands", FORCE, 0.012)
+        self._foot_arrows = self._add_arrows("feet", PCM, 0.010)
+        self._trail: Trail | None = None
+        self._footsteps: Footsteps | None = None
+        self._pose_links()
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """The posture that is shown."""
+        return self._skeleton
+
+    @property
+    def offset(self) -> Array:
+        """Where the origin of world is in the picture, shape (3,) [m]."""
+        return np.array(self._world.position)
+
+    def draw(self, moment: Moment, trail: Trail, follow: bool = True) -> None:
+        """Shows a moment; `follow` keeps the robot in the middle of the picture."""
+        if moment.has_robot:
+            base = moment["odom"].position
+            self._skeleton.place(moment["odom"], moment["joint_states"])
+            self._pose_links()
+            self._world.position = (-base[0], -base[1], 0.0) if follow else (0.0, 0.0, 0.0)
+        self._draw_points(moment)
+        self._draw_forces(moment)
+        self._draw_prints(trail, moment["footsteps"] if "footsteps" in moment else Footsteps(()))
+
+    def _lay_ground(self) -> None:
+        self._scene.add_grid(
+            "/world/ground",
+            infinite_grid=True,
+            cell_size=0.25,
+            section_size=1.0,
+            cell_color=(206, 210, 214),
+            section_color=(150, 156, 164),
+            fade_distance=18.0,
+            fade_strength=1.5,
+            shadow_opacity=0.25,
+        )
+
+    def _build_robot(self) -> None:
+        for number, mesh in enumerate(link_meshes(self._skeleton.urdf)):
+            if mesh.link not in self._links:
+                self._links[mesh.link] = self._scene.add_frame(f"{ROBOT}/{mesh.link}", show_axes=False)
+            self._scene.add_mesh_simple(
+                f"{ROBOT}/{mesh.link}/visual_{number}", mesh.vertices, mesh.faces, color=mesh.color
+            )
+
+    def _pose_links(self) -> None:
+        for name, frame in self._links.items():
+            frame.position, frame.wxyz = self._skeleton.pose_wxyz(name)
+
+    def _add_point(self, name: str, color: str, radius: float) -> Any:
+        vertices, faces = disc(radius)
+        path = f"/world/points/{name}"
+        # Unlit by shadows, or it would be grey under the robot.
+        return self._scene.add_mesh_simple(
+            path, vertices, faces, color=rgb(color), cast_shadow=False, receive_shadow=False, visible=False
+        )
+
+    def _add_polygon(self) -> Any:
+        return self._scene.add_mesh_simple(
+            "/world/support_polygon",
+            np.zeros((_CORNERS, 3)),
+            fan(_CORNERS),
+            color=(240, 196, 60),
+            opacity=0.45,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+
+    def _add_arrows(self, name: str, color: str, radius: float) -> Any:
+        return self._scene.add_arrows(
+            f"/world/forces/{name}",
+            np.zeros((1, 2, 3)),
+            rgb(color),
+            shaft_radius=radius,
+            head_radius=2.4 * radius,
+            head_length=6.0 * radius,
+            visible=False,
+        )
+
+    def _draw_points(self, moment: Moment) -> None:
+        for name, handle in self._points.items():
+            handle.visible = name in moment
+            if name in moment:
+                x, y, _ = moment[name].xyz
+                handle.position = (x, y, _POINT + 0.001 * list(_POINTS).index(name))
+        vertices = moment["support_polygon"].vertices if "support_polygon" in moment else np.zeros((0, 3))
+        self._polygon.visible = len(vertices) > 2
+        if len(vertices) > 2:
+            corners = np.minimum(np.arange(_CORNERS), len(vertices) - 1)
+            flat = vertices[corners].astype(np.float32)
+            flat[:, 2] = _POLYGON
+            if not np.array_equal(flat, self._polygon.vertices):
+                self._polygon.vertices = flat
+
+    def _draw_forces(self, moment: Moment) -> None:
+        hands, feet = [], []
+        for side in SIDES:
+            grip = self._skeleton.position(f"{side.prefix}_gripper")
+            hands.append((grip, HAND_FORCE_SCALE * moment.force(f"{side.value}_hand/applied")))
+            sole = self._skeleton.pose(f"{side.prefix}_sole")
+            force = sole.rotation @ moment.force(f"{side.value}_foot/wrench")
+            feet.append((np.array(sole.translation), FOOT_FORCE_SCALE * force))
+        pelvis = self._skeleton.position("base_link")
+        hands.append((pelvis, HAND_FORCE_SCALE * moment.force("base/applied")))
+        self._show_arrows(self._hand_arrows, hands)
+        self._show_arrows(self._foot_arrows, feet)
+
+    @staticmethod
+    def _show_arrows(handle: Any, arrows: Sequence[tuple[Array, Array]]) -> None:
+        shown = [(start, start + arrow) for start, arrow in arrows if np.linalg.norm(arrow) > _NOTHING]
+        handle.visible = bool(shown)
+        if shown:
+            handle.points = np.array(shown, dtype=np.float32)
+
+    def _draw_prints(self, trail: Trail, footsteps: Footsteps) -> None:
+        # Both are the same objects as long as nothing has changed.
+        if trail is not self._trail:
+            self._trail = trail
+            self._draw_trail(trail)
+        if footsteps is not self._footsteps:
+            self._footsteps = footsteps
+            planned = [step for step in footsteps.steps if not step.taken]
+            for side in SIDES:
+                self._add_outlines("planned", side, planned, 0.006)
+
+    def _draw_trail(self, trail: Trail) -> None:
+        for side in SIDES:
+            self._add_outlines("taken", side, trail.prints, 0.014)
+        path = trail.path.copy()
+        path[:, 2] = _TRAIL
+        segments = np.stack((path[:-1], path[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
+        self._add_lines("/world/trail", segments, PCM, 0.012)
+
+    def _add_outlines(self, kind: str, side: Side, steps: Sequence[Footstep], thickness: float) -> None:
+        """Footprints as lines: thick where a foot stood, thin where one is planned."""
+        segments = [self._outline(step) for step in steps if step.side is side]
+        found = np.vstack(segments) if segments else np.zeros((0, 2, 3))
+        self._add_lines(f"/world/footsteps/{kind}_{side.value}", found, SIDE_COLORS[side], thickness)
+
+    def _add_lines(self, path: str, segments: Array, color: str, thickness: float) -> None:
+        if not len(segments):
+            segments = np.full((1, 2, 3), -100.0)  # far below: lines cannot be empty
+        self._scene.add_line_segments(path, segments, rgb(color), thickness=thickness)
+
+    def _outline(self, step: Footstep) -> Array:
+        """Edges of a footprint on the ground, shape (6, 2, 3) [m]."""
+        c, s = np.cos(step.yaw), np.sin(step.yaw)
+        corners = self._outlines[step.side] @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 0.0]])
+        corners = corners + np.array([step.position[0], step.position[1], _PRINT])
+        return np.stack((corners, np.roll(corners, -1, axis=0)), axis=1)
