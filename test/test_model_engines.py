@@ -6,7 +6,7 @@ import pybullet
 import pytest
 from plant_bench import HIGH_UP, plant_from, robot
 
-from follower_humanoid.plant.robot_plant import Pull
+from follower_humanoid.plant.pulls import Pull
 from follower_humanoid.plant.simulator import Simulator
 from follower_humanoid.robot.model import RobotModel
 

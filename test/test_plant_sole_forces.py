@@ -46,9 +46,12 @@ class Contact:
 
 
 def test_a_point_is_placed_as_pinocchio_places_it(random):
-    pose, local, points = pin.SE3.Random(), random.normal(size=(4, 3)), np.zeros((4, 3))
-    sole_forces.place(pose.rotation, pose.translation, local, points)
-    assert points == pytest.approx(np.array([pose.act(row) for row in local]), abs=1e-14)
+    moved, local, points = [pin.SE3.Random() for _ in range(3)], random.normal(size=(4, 3)), np.zeros((4, 3))
+    poses = np.array([np.vstack((pose.rotation.T, pose.translation)) for pose in moved])
+    carriers = np.array([2, 0, 0, 1])
+    sole_forces.place(poses, carriers, local, points)
+    expected = [moved[joint].act(row) for joint, row in zip(carriers, local, strict=True)]
+    assert points == pytest.approx(np.array(expected), abs=1e-14)
 
 
 def test_the_jacobian_of_a_point_is_pinocchios(random):

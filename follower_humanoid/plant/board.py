@@ -16,7 +16,8 @@ import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Array
-from follower_humanoid.plant.robot_plant import Pull, RobotPlant
+from follower_humanoid.plant.pulls import Pull
+from follower_humanoid.plant.robot_plant import RobotPlant
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pybullet
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.plant.spatial import cross
 from follower_humanoid.plant.world import World
@@ -15,6 +16,61 @@ from follower_humanoid.robot.model import BASE_DOF, Indices
 
 # Pinocchio's joint 1 is the free-flyer; joint n > 1 is actuated joint n − 2.
 FIRST_ACTUATED = 2
+Triple = tuple[float, float, float]
+
+
+@kernel(
+    "void(UniTuple(float64, 3), UniTuple(float64, 4), UniTuple(float64, 3), UniTuple(float64, 3), "
+    "float64[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], float64[::1], float64[::1])"
+)
+def base_state(
+    position: Triple, quat: tuple[float, ...], linear: Triple, spin: Triple, center: Array, turn: Array,
+    q: Array, v: Array, rotation: Array, base_velocity: Array, base_spin: Array,
+) -> None:  # fmt: skip
+    """State of base_link from that of its centre of mass and principal axes.
+
+    R = R_axes R_turn;  x = x_c − R c;  ẋ = ẋ_c − ω × R c;  the twist in base axes is (Rᵀ ẋ, Rᵀ ω).
+
+    Args:
+        position, quat: Pose of centre and principal axes in world; (x, y, z, w).
+        linear, spin: ẋ_c and ω, in world.
+        center: c, in base_link, (3,).
+        turn: Quaternion of R_turn, base_link to principal axes, (4,).
+        q, v: Written: the base's rows of configuration and velocity.
+        rotation, base_velocity, base_spin: Written: R, ẋ and ω.
+    """
+    x, y, z, w = quat
+    i, j, k, r = turn
+    q[3] = w * i + x * r + y * k - z * j
+    q[4] = w * j + y * r + z * i - x * k
+    q[5] = w * k + z * r + x * j - y * i
+    q[6] = w * r - x * i - y * j - z * k
+    x, y, z, w = q[3], q[4], q[5], q[6]
+    rotation[0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    rotation[0, 1] = 2.0 * (x * y - z * w)
+    rotation[0, 2] = 2.0 * (x * z + y * w)
+    rotation[1, 0] = 2.0 * (x * y + z * w)
+    rotation[1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    rotation[1, 2] = 2.0 * (y * z - x * w)
+    rotation[2, 0] = 2.0 * (x * z - y * w)
+    rotation[2, 1] = 2.0 * (y * z + x * w)
+    rotation[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    for axis in range(3):
+        base_spin[axis], base_velocity[axis] = spin[axis], linear[axis]
+        q[axis] = position[axis]
+    for axis in range(3):
+        # The centre's place relative to base_link, in world.
+        arm = rotation[axis, 0] * center[0] + rotation[axis, 1] * center[1] + rotation[axis, 2] * center[2]
+        q[axis] -= arm
+        after, last = (axis + 1) % 3, (axis + 2) % 3
+        # Its share of −ω × arm: along the two other axes.
+        base_velocity[after] -= spin[last] * arm
+        base_velocity[last] += spin[after] * arm
+    for axis in range(3):
+        v[axis] = v[3 + axis] = 0.0
+        for row in range(3):
+            v[axis] += rotation[row, axis] * base_velocity[row]
+            v[3 + axis] += rotation[row, axis] * base_spin[row]
 
 
 class BulletRobot:
@@ -65,8 +121,8 @@ class BulletRobot:
         info = pybullet.getDynamicsInfo(self.body, -1, physicsClientId=client)
         # Bullet's base pose is the frame of the base's centre of mass and principal axes.
         self.center_in_base = np.array(info[3])
-        self._principal_axes = pin.Quaternion(np.array(info[4])).toRotationMatrix()
-        self._aligned = bool(np.array_equal(self._principal_axes, np.eye(3)))
+        self._principal_axes = pin.Quaternion(np.array(info[4]))
+        self._to_base: Array = self._principal_axes.conjugate().coeffs().copy()
         self.q, self.v = np.zeros(7 + len(joint_names)), np.zeros(BASE_DOF + len(joint_names))
         self.rotation, self.base_velocity, self.base_spin = np.eye(3), np.zeros(3), np.zeros(3)
         self.read()
@@ -76,7 +132,7 @@ class BulletRobot:
         rotation = pin.Quaternion(q[3:7]).toRotationMatrix()
         spin = rotation @ v[3:6]
         center = rotation @ self.center_in_base
-        quat = pin.Quaternion(rotation @ self._principal_axes).coeffs()
+        quat = pin.Quaternion(rotation @ self._principal_axes.toRotationMatrix()).coeffs()
         pybullet.resetBasePositionAndOrientation(
             self.body, (q[:3] + center).tolist(), quat.tolist(), physicsClientId=self._client
         )
@@ -100,22 +156,14 @@ class BulletRobot:
         position, quat = pybullet.getBasePositionAndOrientation(self.body, self._client)
         linear, spin = pybullet.getBaseVelocity(self.body, self._client)
         states = pybullet.getJointStates(self.body, self._driven, self._client)
-        q, v = self.q, self.v
-        q[7:][self._rows] = [state[0] for state in states]
-        v[BASE_DOF:][self._rows] = [state[1] for state in states]
-        q[3:7] = quat
-        rotation: Array = pin.Quaternion(q[3:7]).toRotationMatrix()
-        if not self._aligned:
-            rotation = rotation @ self._principal_axes.T
-            q[3:7] = pin.Quaternion(rotation).coeffs()
-        self.rotation = rotation
-        center = rotation @ self.center_in_base
-        q[:3] = position
-        q[:3] -= center
-        self.base_spin = np.array(spin)
-        self.base_velocity = np.array(linear) - cross(self.base_spin, center)
-        v[:3] = self.base_velocity @ rotation
-        v[3:6] = self.base_spin @ rotation
+        joints, rates = self.q[7:], self.v[BASE_DOF:]
+        joints[self._rows] = [state[0] for state in states]
+        rates[self._rows] = [state[1] for state in states]
+        self.rotation, self.base_velocity, self.base_spin = np.empty((3, 3)), np.empty(3), np.empty(3)
+        base_state(
+            position, quat, linear, spin, self.center_in_base, self._to_base,
+            self.q, self.v, self.rotation, self.base_velocity, self.base_spin,
+        )  # fmt: skip
 
     def dof_order(self) -> Indices:
         """Where each of the 45 joints stands among PyBullet's own degrees of freedom."""

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import RobotModel
 
@@ -48,6 +49,51 @@ PAPER_MOTORS = replace(
     named_set="paper", resistance=1.6, inductance=2.3e-3, torque_constant=75.5, back_emf_constant=72.2,
     rotor_inertia=73.9, viscous_loss=0.00923, gear=1.0, toe_gear=1.0, voltage_limit=200.0,
 )  # fmt: skip
+
+
+@kernel(
+    "void(float64[::1], float64[::1], float64, float64, float64, float64[::1], float64[::1], float64[::1], "
+    "float64[::1])"
+)
+def _begin(
+    voltage: Array, current: Array, limit: float, keep: float, current_per_volt: float,
+    torque_per_current: Array, clipped: Array, open_current: Array, drive: Array,
+) -> None:  # fmt: skip
+    """Writes what is known before q̈ is: the voltage that acts, (u + L i/h)/Z and τ_u.
+
+    Args:
+        voltage, current: u, i.
+        limit: Of the voltage.
+        keep: L/h.
+        current_per_volt: 1/Z.
+        torque_per_current: N C_m.
+        clipped, open_current, drive: Written.
+    """
+    for n in range(voltage.shape[0]):
+        clipped[n] = max(min(voltage[n], limit), -limit)
+        open_current[n] = (current[n] * keep + clipped[n]) * current_per_volt
+        drive[n] = open_current[n] * torque_per_current[n]
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1])")
+def _add_to(velocity: Array, drive: Array, damping: Array, forces: Array) -> None:
+    """Adds τ_u − D q̇ to the forces."""
+    for n in range(drive.shape[0]):
+        forces[n] += drive[n] - damping[n] * velocity[n]
+
+
+@kernel(
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], "
+    "float64[::1], float64[::1])"
+)
+def _finish(
+    acceleration: Array, end_velocity: Array, open_current: Array, drive: Array, current_per_velocity: Array,
+    damping: Array, inertia: Array, current: Array, torque: Array,
+) -> None:  # fmt: skip
+    """Writes current and torque at the end of a step: i = open − (N C_e/Z) q̇⁺, eq. (13) with q̇⁺ and q̈."""
+    for n in range(drive.shape[0]):
+        current[n] = open_current[n] - current_per_velocity[n] * end_velocity[n]
+        torque[n] = drive[n] - damping[n] * end_velocity[n] - inertia[n] * acceleration[n]
 
 
 class Motors:
@@ -88,12 +134,14 @@ class Motors:
 
     def begin(self, voltage: Array) -> None:
         """Takes the voltages of this step, shape (45,) [V], clipped to the limit."""
-        np.minimum(voltage, self.voltage_limit, out=self.voltage)
-        np.maximum(self.voltage, -self.voltage_limit, out=self.voltage)
-        np.multiply(self.current, self._keep, out=self._open_current)
-        self._open_current += self.voltage
-        self._open_current *= self.current_per_volt
-        np.multiply(self._open_current, self.torque_per_current, out=self.drive)
+        _begin(
+            voltage, self.current, self.voltage_limit, self._keep, self.current_per_volt,
+            self.torque_per_current, self.voltage, self._open_current, self.drive,
+        )  # fmt: skip
+
+    def add_to(self, velocity: Array, forces: Array) -> None:
+        """Adds the torque at q̈ = 0, τ_u − D q̇, to the joints' forces, shapes (45,)."""
+        _add_to(velocity, self.drive, self.damping, forces)
 
     def finish(self, acceleration: Array, end_velocity: Array) -> Array:
         """Ends the step: updates the currents, returns eq. (13)'s torque on the joints, (45,) [N·m].
@@ -102,6 +150,9 @@ class Motors:
             acceleration: Joint acceleration of this step, shape (45,) [rad/s²].
             end_velocity: Joint velocity at its end, shape (45,) [rad/s].
         """
-        np.subtract(self._open_current, self.current_per_velocity * end_velocity, out=self.current)
-        torque: Array = self.drive - self.damping * end_velocity - self.inertia * acceleration
+        torque = np.empty_like(self.drive)
+        _finish(
+            acceleration, end_velocity, self._open_current, self.drive, self.current_per_velocity,
+            self.damping, self.inertia, self.current, torque,
+        )  # fmt: skip
         return torque

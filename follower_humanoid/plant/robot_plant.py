@@ -10,7 +10,7 @@ PyBullet then gets the contact forces at their points and the torques τ_u − A
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
 import pinocchio as pin
@@ -20,12 +20,13 @@ from follower_humanoid.errors import PhysicsError
 from follower_humanoid.plant.bullet_robot import BulletRobot
 from follower_humanoid.plant.motors import MotorConfig, Motors
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig, bullet_body, plant_body
+from follower_humanoid.plant.pulls import HeldPoint, Pull, add_pull, held_point
 from follower_humanoid.plant.soles import SoleConfig, Soles
-from follower_humanoid.plant.spatial import cross
 from follower_humanoid.plant.standing import StandingConfig, standing
 from follower_humanoid.plant.stops import StopConfig, Stops
 from follower_humanoid.plant.world import World
 from follower_humanoid.robot.model import BASE_DOF, Indices, RobotModel
+from follower_humanoid.robot.pose_table import pose_table
 
 # Solving again when points change between sticking, slipping and lifting; then forces are clipped.
 MAX_PASSES = 4
@@ -41,43 +42,13 @@ def _held_rows(robot: RobotModel) -> Indices:
     return np.setdiff1d(np.arange(BASE_DOF + len(robot.joint_names)), moving)
 
 
-@dataclass(frozen=True)
-class Pull:
-    """A wrench on the robot during one physics step.
-
-    Attributes:
-        frame: Pinocchio frame at whose origin it acts.
-        force: In world, shape (3,) [N].
-        torque: About the frame's origin, in world, shape (3,) [N·m].
-    """
-
-    frame: int
-    force: Array
-    torque: Array
-
-
-@dataclass(frozen=True)
-class _HeldPoint:
-    """Where wrenches on one frame act.
-
-    Attributes:
-        joint: Pinocchio joint that carries the frame.
-        pose: That joint in world: a view of Pinocchio's memory, which follows its algorithms.
-        offset: Origin of the frame in the joint's frame, shape (3,) [m].
-        columns: Columns of the Jacobian that move the joint.
-    """
-
-    joint: int
-    pose: pin.SE3
-    offset: Array
-    columns: Indices
-
-
 class RobotPlant:
     """State and forces of one robot.
 
     Attributes:
         model: Pinocchio model of the plant's own body (its masses, not the controllers').
+        data: Joint poses, world Jacobian and forces without acceleration (f) where the last step began.
+        joint_poses, world_jacobian: Views of them: a `pose_table`, shape (n, 4, 3), and shape (6, 51).
         bullet: The body in PyBullet; its `q` (52,) and `v` (51,) are the state, as in `RobotModel`.
         soles, motors, stops: What acts between robot and world, and in its joints.
         acceleration: Solution of the last step, shape (51,).
@@ -107,10 +78,11 @@ class RobotPlant:
         self.data = self.model.createData()
         # Views of Pinocchio's memory: they follow its algorithms.
         self._mass_matrix: Array = self.data.M
-        self._world_jacobian: Array = self.data.J
-        self._held_points: dict[int, _HeldPoint] = {}
+        self.world_jacobian: Array = self.data.J
+        self.joint_poses = pose_table(self.data.oMi)
+        self._held_points: dict[int, HeldPoint] = {}
         self._posture, self._stiffness = posture, soles.stiffness
-        self.soles = Soles(soles, robot, self.data, world.ground, self._step)
+        self.soles = Soles(soles, robot, self.joint_poses, world.ground, self._step)
         self.stops = Stops(stops, robot.lower, robot.upper, self._step)
         self.bullet = self._body(urdf, fixed_trunk)
         self.q, self.v = self.bullet.q, self.bullet.v
@@ -138,13 +110,21 @@ class RobotPlant:
         """Puts the robot into static equilibrium at the world's origin."""
         state = standing(self.robot, self.model, self._posture, self._stiffness)
         self.bullet.place(state.configuration, np.zeros(self.model.nv))
-        pin.computeJointJacobians(self.model, self.data, self.q)
+        self._renew_dynamics()
         if not self._held.size:  # a fixed trunk needs no ground
             self.soles.settle(state.point_forces)
         self.motors.hold(state.torque)
         self.effort = state.torque.copy()
         self.acceleration = np.zeros(self.model.nv)
         self.base_acceleration = np.zeros(3)
+
+    def _renew_dynamics(self) -> Array:
+        """Joint poses, world Jacobian and mass matrix of the current state; returns n, shape (51,)."""
+        # In world axes, so that it leaves the Jacobian behind too. The armature is rotor inertia and
+        # implicit damping.
+        pin.crba(self.model, self.data, self.q, pin.Convention.WORLD)
+        forces: Array = pin.nonLinearEffects(self.model, self.data, self.q, self.v)
+        return forces
 
     def frame_rotation(self, frame: int) -> Array:
         """Rotation from a Pinocchio frame to world at the current state, shape (3, 3)."""
@@ -165,17 +145,15 @@ class RobotPlant:
         """
         h, model, data, q, v = self._step, self.model, self.data, self.q, self.v
         rate = v[BASE_DOF:]
-        pin.computeJointJacobians(model, data, q)
+        free = -self._renew_dynamics()
         self.motors.begin(voltage)
-        free = -pin.nonLinearEffects(model, data, q, v)
-        free[BASE_DOF:] += self.motors.drive
-        free[BASE_DOF:] -= self.motors.damping * rate
+        self.motors.add_to(rate, free[BASE_DOF:])
         places = [self._add_pull(pull, free) for pull in pulls]
-        on_ground = not self._held.size and self.soles.begin(self._world_jacobian, v)
+        on_ground = not self._held.size and self.soles.begin(self.world_jacobian, v)
         on_stop = self.stops.begin(q[7:], rate)
         for passes in range(1, MAX_PASSES + 1):
-            # Includes rotor inertia and implicit damping as the model's armature.
-            pin.crba(model, data, q)
+            if passes > 1:  # the contact of the pass before is in the mass matrix
+                pin.crba(model, data, q, pin.Convention.WORLD)
             right_side = free.copy()
             if on_ground:
                 self.soles.add_to(self._mass_matrix, right_side)
@@ -191,7 +169,8 @@ class RobotPlant:
             if settled:
                 break
         self.settled = settled
-        qdd[self._held] = 0.0
+        if self._held.size:
+            qdd[self._held] = 0.0
         self.effort = self.motors.finish(qdd[BASE_DOF:], rate + h * qdd[BASE_DOF:])
         self.acceleration = qdd
         if on_ground:
@@ -204,31 +183,20 @@ class RobotPlant:
         self.base_acceleration = (self.bullet.base_velocity - before) / h
         self._check_finite()
 
-    def _add_pull(self, pull: Pull, forces: Array) -> Array:
-        """Adds a wrench to the generalised forces, shape (51,); returns where it acts in world."""
-        point = self._held_point(pull.frame)
-        place: Array = point.pose.act(point.offset)
-        about_origin = np.concatenate((pull.force, cross(place, pull.force) + pull.torque))
-        forces[point.columns] += about_origin @ self._world_jacobian[:, point.columns]
-        return place
-
-    def _held_point(self, frame: int) -> _HeldPoint:
+    def held_point(self, frame: int) -> HeldPoint:
         """What the model says about a frame; looked up once."""
         if frame not in self._held_points:
-            info = self.model.frames[frame]
-            supports = [joint for joint in self.model.supports[info.parentJoint] if joint > 0]
-            columns = [
-                self.model.joints[joint].idx_v + n
-                for joint in supports
-                for n in range(self.model.joints[joint].nv)
-            ]
-            self._held_points[frame] = _HeldPoint(
-                int(info.parentJoint),
-                self.data.oMi[info.parentJoint],
-                info.placement.translation.copy(),
-                np.array(columns, dtype=np.intp),
-            )
+            self._held_points[frame] = held_point(self.model, frame)
         return self._held_points[frame]
+
+    def _add_pull(self, pull: Pull, forces: Array) -> Array:
+        """Adds a wrench to the generalised forces, shape (51,); returns where it acts in world."""
+        point, place = self.held_point(pull.frame), np.empty(3)
+        add_pull(
+            self.joint_poses[point.joint], point.offset, pull.force, pull.torque, self.world_jacobian,
+            point.columns, place, forces,
+        )  # fmt: skip
+        return place
 
     def _apply(self, pulls: tuple[Pull, ...], places: list[Array]) -> None:
         torque = self.effort + self.stops.torque if self.stops.active else self.effort
@@ -239,12 +207,12 @@ class RobotPlant:
                 if force[2] > 0.0:
                     self.bullet.push(joint, force, point)
         for pull, place in zip(pulls, places, strict=True):
-            joint = self._held_point(pull.frame).joint
+            joint = self.held_point(pull.frame).joint
             self.bullet.push(joint, pull.force.tolist(), place.tolist())
             self.bullet.twist(joint, pull.torque.tolist())
 
     def _check_finite(self) -> None:
-        if np.isfinite(self.v @ self.v):
+        if math.isfinite(self.v @ self.v):
             return
         names = [f"base_link {axis}" for axis in ("x", "y", "z", "roll", "pitch", "yaw")]
         names += self.robot.joint_names

@@ -9,9 +9,17 @@ import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, Inertial, Joints, Odometry, Wrench
-from follower_humanoid.plant.robot_plant import Pull, RobotPlant
-from follower_humanoid.plant.spatial import cross
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.plant.pulls import Pull, add_in_joint
+from follower_humanoid.plant.robot_plant import RobotPlant
+from follower_humanoid.plant.sensor_sums import (
+    add_joint_force,
+    add_specific_force,
+    mean_acceleration,
+    seen_from,
+)
 from follower_humanoid.robot.model import BASE_DOF, GRAVITY
+from follower_humanoid.robot.pose_table import pose_table
 
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -56,6 +64,41 @@ class Readings:
     right_wrist: Wrench
 
 
+class _SoleFrame:
+    """Where a sole's frame is fixed: joint, axes (3, 3) and origin (3,) in the joint's frame."""
+
+    def __init__(self, plant: RobotPlant, name: str) -> None:
+        frame = plant.model.frames[plant.robot.frame_id(name)]
+        self.joint = int(frame.parentJoint)
+        self.axes = np.ascontiguousarray(frame.placement.rotation)
+        self.offset: Array = frame.placement.translation.copy()
+
+
+class _WristJoint:
+    """The joint that a wrist's sensor measures at, and the hand behind it.
+
+    Attributes:
+        joint: Its Pinocchio id.
+        columns: Columns of the Jacobian that move it.
+        mass, lever, inertia: Of the hand, in the joint's frame: m, centre (3,), about the centre (3, 3).
+        force_at_rest: Through the joint at no acceleration, a view that follows the plant, (6,).
+        displaced: Place of the sensor's frame in the joint's, None if they are the same.
+    """
+
+    def __init__(self, plant: RobotPlant, name: str) -> None:
+        frame = plant.model.frames[plant.robot.frame_id(name)]
+        point = plant.held_point(plant.robot.frame_id(name))
+        self.joint, self.columns = point.joint, point.columns
+        if len(plant.model.subtrees[self.joint]) > 1:
+            name = plant.model.names[self.joint]
+            raise ConfigurationError(f"URDF: another joint follows {name}, which must be the last of its arm")
+        hand = plant.model.inertias[self.joint]
+        self.mass, self.lever = float(hand.mass), hand.lever.copy()
+        self.inertia = np.ascontiguousarray(hand.inertia)
+        self.force_at_rest: Array = plant.data.f[self.joint].vector
+        self.displaced = None if frame.placement.isIdentity() else frame.placement
+
+
 class Sensors:
     """Gathers every physics step, reads at the control tick."""
 
@@ -64,20 +107,15 @@ class Sensors:
         self._config, self._plant = config, plant
         self._random = np.random.default_rng(config.seed)
         self._data = plant.model.createData()
-        self._soles = [plant.model.frames[plant.robot.frame_id(f"{side.prefix}_sole")] for side in SIDES]
-        wrists = [plant.model.frames[plant.robot.frame_id(f"{side.prefix}_wrist")] for side in SIDES]
-        self._wrist_joints = [int(frame.parentJoint) for frame in wrists]
-        # The sensor's frame is that of the last wrist joint, unless a URDF puts it elsewhere.
-        self._displaced = {
-            hand: frame.placement for hand, frame in enumerate(wrists) if not frame.placement.isIdentity()
-        }
-        # Views of Pinocchio's memory: they follow its algorithms.
-        self._wrist_forces = [self._data.f[joint].vector for joint in self._wrist_joints]
+        self._poses = pose_table(self._data.oMi)
+        self._soles = [_SoleFrame(plant, f"{side.prefix}_sole") for side in SIDES]
+        self._hands = [_WristJoint(plant, f"{side.prefix}_wrist") for side in SIDES]
         self._feet, self._wrists = np.zeros((2, 6)), np.zeros((2, 6))
         self._specific_force = np.zeros(3)
         self._count = 0
-        self._q, self._v = plant.q.copy(), plant.v.copy()
+        self._v = plant.v.copy()
         self._rotation, self._spin = plant.rotation, plant.bullet.base_spin
+        self._acceleration = np.zeros_like(plant.v)
         self._biases = {
             name: np.array(getattr(config, name))
             for name in ("left_wrist_bias", "right_wrist_bias", "gyro_bias", "accelerometer_bias")
@@ -92,7 +130,6 @@ class Sensors:
 
     def before_step(self) -> None:
         """Remembers the state at which the forces of the coming physics step act."""
-        self._q[:] = self._plant.q
         self._v[:] = self._plant.v
         self._rotation, self._spin = self._plant.rotation, self._plant.bullet.base_spin
 
@@ -103,30 +140,24 @@ class Sensors:
             plant.soles.add_wrenches_to(self._feet)
         lifted = plant.base_acceleration.copy()
         lifted[2] += GRAVITY
-        self._specific_force += lifted @ self._rotation
-        # Force through the wrist joint = inertia and weight of the hand less what acts on it.
-        pin.rnea(plant.model, self._data, self._q, self._v, self._mean_acceleration())
-        for row, force in zip(self._wrists, self._wrist_forces, strict=True):
-            row -= force
-        for pull in pulls:
-            frame = plant.model.frames[pull.frame]
-            if frame.parentJoint in self._wrist_joints:
-                turn = self._data.oMi[frame.parentJoint].rotation
-                force = pull.force @ turn
-                row = self._wrists[self._wrist_joints.index(frame.parentJoint)]
-                row[:3] += force
-                row[3:] += pull.torque @ turn + cross(frame.placement.translation, force)
+        add_specific_force(lifted, self._rotation, self._specific_force)
+        mean_acceleration(
+            self._v, plant.v, self._spin, plant.bullet.base_spin, plant.base_acceleration, self._rotation,
+            plant.world.step_length, self._acceleration,
+        )  # fmt: skip
+        for hand, row in zip(self._hands, self._wrists, strict=True):
+            # Force through the wrist joint = inertia and weight of the hand less what acts on it.
+            add_joint_force(
+                plant.joint_poses[hand.joint], plant.world_jacobian, hand.columns, self._acceleration,
+                hand.force_at_rest, hand.mass, hand.lever, hand.inertia, row,
+            )  # fmt: skip
+            for pull in pulls:
+                point = plant.held_point(pull.frame)
+                if point.joint == hand.joint:
+                    add_in_joint(
+                        plant.joint_poses[hand.joint], point.offset, pull.force, pull.torque, row
+                    )
         self._count += 1
-
-    def _mean_acceleration(self) -> Array:
-        """What the body really did in the last step, shape (51,); feels Bullet's contacts too."""
-        plant = self._plant
-        mean: Array = plant.v - self._v
-        mean[3:6] = (plant.bullet.base_spin - self._spin) @ self._rotation
-        mean /= plant.world.step_length
-        mean[:3] = plant.base_acceleration @ self._rotation
-        mean[:3] -= cross(self._v[3:6], self._v[:3])
-        return mean
 
     def at_rest(self) -> None:
         """Gathers static equilibrium, for the readings before the first step."""
@@ -170,22 +201,22 @@ class Sensors:
         """
         pin.forwardKinematics(self._plant.model, self._data, self._plant.q)
         feet = []
-        for frame, total in zip(self._soles, self._feet / self._count, strict=True):
-            pose = self._data.oMi[frame.parentJoint] * frame.placement
-            rotation, force = pose.rotation, total[:3]
-            moment = total[3:] - cross(pose.translation, force)
+        for sole, total in zip(self._soles, self._feet, strict=True):
+            force, torque = np.empty(3), np.empty(3)
+            seen_from(self._poses[sole.joint], sole.axes, sole.offset, total, self._count, force, torque)
             feet.append(
                 Wrench(
-                    self._noisy(force @ rotation, self._config.foot_force_noise),
-                    self._noisy(moment @ rotation, self._config.foot_torque_noise),
+                    self._noisy(force, self._config.foot_force_noise),
+                    self._noisy(torque, self._config.foot_torque_noise),
                 )
             )
         return feet
 
     def _read_wrist(self, hand: int, bias: Array) -> Wrench:
         mean = self._wrists[hand] / self._count
-        if hand in self._displaced:
-            mean = self._displaced[hand].actInv(pin.Force(mean)).vector
+        displaced = self._hands[hand].displaced
+        if displaced is not None:
+            mean = displaced.actInv(pin.Force(mean)).vector
         return Wrench(
             self._noisy(mean[:3] + bias, self._config.wrist_force_noise),
             self._noisy(mean[3:], self._config.wrist_torque_noise),
@@ -193,5 +224,6 @@ class Sensors:
 
     def _noisy(self, value: Array, deviation: float) -> Array:
         if deviation == 0.0:
-            return np.array(value)
+            same: Array = value.copy()
+            return same
         return np.asarray(value + self._random.normal(0.0, deviation, value.shape))

@@ -14,7 +14,8 @@ from follower_humanoid.plant.drives import Drives, HoldConfig
 from follower_humanoid.plant.falls import Fall, FallWatch
 from follower_humanoid.plant.motors import MotorConfig
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
-from follower_humanoid.plant.robot_plant import Pull, RobotPlant
+from follower_humanoid.plant.pulls import Pull
+from follower_humanoid.plant.robot_plant import RobotPlant
 from follower_humanoid.plant.sensors import SensorConfig, Sensors
 from follower_humanoid.plant.soles import SoleConfig
 from follower_humanoid.plant.standing import StandingConfig
@@ -225,7 +226,8 @@ class Simulator:
 
     def _pull(self, index: int, wrench: Wrench, axes: int) -> Pull:
         """The wrench in world axes at this physics step, noted as applied."""
-        force, torque = wrench.force, wrench.torque
+        # Copies: a message's numbers may be read-only, which compiled loops do not take.
+        force, torque = np.array(wrench.force), np.array(wrench.torque)
         if axes >= 0:
             turn = self.plant.frame_rotation(axes)
             force, torque = turn @ force, turn @ torque

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
+from follower_humanoid.robot.model import Indices
 
 Flags = NDArray[np.bool_]
 
@@ -26,21 +27,21 @@ Flags = NDArray[np.bool_]
 CONE_SHARE, CONE_FORCE = 0.01, 0.2
 
 
-@kernel("void(float64[::1,:], float64[::1], float64[:,::1], float64[:,::1])")
-def place(rotation: Array, origin: Array, local: Array, points: Array) -> None:
-    """Writes the points of one body in world: x = p + R x_local.
+@kernel("void(float64[:,:,::1], int64[::1], float64[:,::1], float64[:,::1])")
+def place(poses: Array, joints: Indices, local: Array, points: Array) -> None:
+    """Writes the points in world: x = p + R x_local.
 
     Args:
-        rotation, origin: Pose of the body in world, (3, 3) and (3,).
-        local: Points in the body, (n, 3).
+        poses: Of the joints in world, see `robot.pose_table`, (≥ 1, 4, 3).
+        joints: Which one carries each point, (n,).
+        local: Points in the joint's frame, (n, 3).
         points: Written, (n, 3).
     """
     for n in range(points.shape[0]):
+        pose = poses[joints[n]]
         for axis in range(3):
-            points[n, axis] = origin[axis] + (
-                rotation[axis, 0] * local[n, 0]
-                + rotation[axis, 1] * local[n, 1]
-                + rotation[axis, 2] * local[n, 2]
+            points[n, axis] = pose[3, axis] + (
+                pose[0, axis] * local[n, 0] + pose[1, axis] * local[n, 1] + pose[2, axis] * local[n, 2]
             )
 
 

@@ -11,7 +11,6 @@ Linearly implicit: with ẋ⁺ = ẋ + h J q̈ the force is f − c J q̈, c = h
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -44,13 +43,15 @@ class Soles:
         joints: Pinocchio joint that carries each point, 12 ids.
     """
 
-    def __init__(self, config: SoleConfig, robot: RobotModel, data: Any, ground: Ground, step: float) -> None:
+    def __init__(
+        self, config: SoleConfig, robot: RobotModel, poses: Array, ground: Ground, step: float
+    ) -> None:
         """Feet in the air.
 
         Args:
             config: Spring and damper.
             robot: Frames and joint groups.
-            data: The plant's Pinocchio data, whose joint poses are followed.
+            poses: Joint poses of the plant, as a `robot.pose_table` that follows them.
             ground: What they stand on.
             step: Physics step [s].
         """
@@ -60,15 +61,10 @@ class Soles:
         names = [f"{side.prefix}_contact_{n}" for side in SIDES for n in range(1, PER_FOOT + 1)]
         frames = [robot.pin_model.frames[robot.frame_id(name)] for name in names]
         self.joints = [int(frame.parentJoint) for frame in frames]
-        local = np.array([frame.placement.translation for frame in frames])
+        self._carriers = np.array(self.joints)
+        self._local = np.array([frame.placement.translation for frame in frames])
+        self._poses = poses
         self.points = np.zeros((POINTS, 3))
-        self._bodies = []
-        for joint in dict.fromkeys(self.joints):
-            rows = np.flatnonzero(np.array(self.joints) == joint)
-            pose = data.oMi[joint]
-            # Views of Pinocchio's memory: they follow the kinematics.
-            span = slice(rows[0], rows[-1] + 1)
-            self._bodies.append((pose.rotation, pose.translation, local[rows], self.points[span]))
         self._carries = self._carried_by(robot)
         columns = self._carries.shape[1]
         self.force = np.zeros((POINTS, 3))
@@ -99,8 +95,7 @@ class Soles:
         return carries
 
     def _locate(self) -> None:
-        for rotation, origin, local, points in self._bodies:
-            sole_forces.place(rotation, origin, local, points)
+        sole_forces.place(self._poses, self._carriers, self._local, self.points)
 
     def settle(self, normal: Array) -> None:
         """Static contact without friction force: anchors the points where they are.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import BASE_DOF
 
@@ -22,6 +23,16 @@ class StopConfig:
 
     stiffness: float = parameter(1.0e5, "stiffness of a hard stop", "N·m/rad", 0.0, 1e7)
     damping: float = parameter(500.0, "damping of a hard stop", "N·m·s/rad", 0.0, 1e5)
+
+
+@kernel("boolean(float64[::1], float64[::1], float64, float64[::1], float64[::1])")
+def _any_beyond(position: Array, velocity: Array, step: float, lower: Array, upper: Array) -> bool:
+    """True if any q + h q̇ lies outside its range."""
+    for n in range(position.shape[0]):
+        ahead = position[n] + step * velocity[n]
+        if ahead < lower[n] or ahead > upper[n]:
+            return True
+    return False
 
 
 class Stops:
@@ -45,11 +56,10 @@ class Stops:
 
     def begin(self, position: Array, velocity: Array) -> bool:
         """Finds the joints that will press on a stop; True if there are any."""
-        ahead = position + self._step * velocity
-        beyond = (ahead < self._lower) | (ahead > self._upper)
-        self.active = bool(np.count_nonzero(beyond))
+        self.active = _any_beyond(position, velocity, self._step, self._lower, self._upper)
         if self.active:
-            joints = np.flatnonzero(beyond)
+            ahead = position + self._step * velocity
+            joints = np.flatnonzero((ahead < self._lower) | (ahead > self._upper))
             low = ahead[joints] < self._lower[joints]
             limit = np.where(low, self._lower[joints], self._upper[joints])
             self._joints, self._sign = joints, np.where(low, 1.0, -1.0)
