@@ -15,6 +15,7 @@ from follower_humanoid.balance.com_offset import ComOffset, OffsetConfig
 from follower_humanoid.balance.hand_forces import hand_effect
 from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Joints, Point, Wrench
+from follower_humanoid.robot.body_state import BodyState
 from follower_humanoid.robot.model import GRAVITY
 
 DT = 0.002
@@ -186,13 +187,13 @@ def offset_for(wrench: Wrench, seconds: float = 3.0, **values: Any) -> tuple[Arr
     """CoM relative to the left sole before and after; how far the right sole has moved against the left."""
     offset = ComOffset(OffsetConfig(**values), robot())
     q = standing_configuration()
-    reference = Joints(q[7:].copy(), np.zeros(45), np.zeros(45))
+    wanted = BodyState(robot())
+    wanted.update(q, np.zeros(51))
     hand = frame_pose(q, "l_gripper").translation
     hands = hand_effect([(wrench, hand)], robot().mass)
     before = com_of(q) - frame_pose(q, "l_sole").translation
-    after = reference
     for _ in range(round(seconds / SLOW)):
-        after = offset.step(reference, odometry_of(q), hands, SLOW)
+        after = offset.step(q, np.zeros(51), wanted, hands, SLOW)
     moved = np.concatenate((q[:7], after.position))
     left, right = frame_pose(moved, "l_sole"), frame_pose(moved, "r_sole")
     com = left.rotation.T @ (com_of(moved) - left.translation)
@@ -220,10 +221,10 @@ def test_the_offset_is_limited_and_can_be_switched_off() -> None:
     before, after, feet = offset_for(hard, limit=0.03)
     assert (before - after)[0] == pytest.approx(0.03, abs=5e-4)
     np.testing.assert_allclose(feet, np.zeros((4, 4)), atol=2e-4)
-    offset = ComOffset(OffsetConfig(enabled=False), robot())
-    reference = Joints(standing_configuration()[7:], np.zeros(45), np.zeros(45))
-    effect = hand_effect([(hard, np.array([0.3, 0.0, 1.0]))], robot().mass)
-    assert offset.step(reference, odometry_of(standing_configuration()), effect, DT) is reference
+    switched_off = ZmpBalance(ZmpBalance.Config(offset=OffsetConfig(enabled=False)), robot(), DT)
+    for _ in range(10):
+        out = step(switched_off, **known(left_hand=hard))
+    np.testing.assert_array_equal(out.reference.position, standing_configuration()[7:])
 
 
 def test_the_offset_follows_gradually() -> None:

@@ -7,13 +7,8 @@ import pinocchio as pin
 import pytest
 from scipy.spatial import ConvexHull
 
-from follower_humanoid.balance.zmp import (
-    SolePlace,
-    convex_hull,
-    measured_zmp,
-    polygon_margin,
-    wrench_about_origin,
-)
+from follower_humanoid.balance.support_polygon import convex_hull, ground_hull, polygon_margin
+from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
 from follower_humanoid.core.samples import Array, Wrench
 
 FLOOR = 50.0
@@ -112,6 +107,17 @@ def test_hull_agrees_with_scipy_and_goes_counter_clockwise() -> None:
         assert {tuple(p) for p in hull} == {tuple(p) for p in points[reference.vertices]}
         assert area(hull) == pytest.approx(reference.volume)
         assert area(hull) > 0.0
+
+
+def test_the_hull_of_ground_points_leaves_out_what_is_in_the_air() -> None:
+    rng = np.random.default_rng(7)
+    frames = rng.normal(size=(20, 4, 3))
+    chosen = np.array([3, 5, 6, 8, 11, 17, 19], dtype=np.int64)
+    frames[chosen, 3, 2] = [0.0, -0.001, 0.0029, 0.0, 0.0031, 0.5, 0.0]
+    hull = ground_hull(frames, chosen, 0.003)
+    np.testing.assert_array_equal(hull, convex_hull(frames[[3, 5, 6, 8, 19], 3, :2]))
+    assert ground_hull(frames, chosen, -1.0).shape == (0, 2)
+    assert ground_hull(frames, chosen[:0], 0.003).shape == (0, 2)
 
 
 def test_hull_of_points_that_coincide_or_lie_in_line() -> None:

@@ -36,9 +36,11 @@ def attitude_shift(error: Array, angular_velocity: Array, mass: float, config: A
     Returns:
         Shape (2,) [m].
     """
-    moment = config.inertia * (config.stiffness * error - config.damping * angular_velocity)
-    shift = np.array([-moment[1], moment[0]]) / (mass * GRAVITY)
-    return np.clip(shift, -config.zmp_limit, config.zmp_limit)
+    (e_x, e_y, _), (w_x, w_y, _) = error.tolist(), angular_velocity.tolist()
+    lever, limit = config.inertia / (mass * GRAVITY), config.zmp_limit
+    shift_x = -lever * (config.stiffness * e_y - config.damping * w_y)
+    shift_y = lever * (config.stiffness * e_x - config.damping * w_x)
+    return np.array([min(max(shift_x, -limit), limit), min(max(shift_y, -limit), limit)])
 
 
 def yaw_moment(error: Array, angular_velocity: Array, momentum_rate: float, config: AttitudeConfig) -> float:
@@ -54,6 +56,6 @@ def yaw_moment(error: Array, angular_velocity: Array, momentum_rate: float, conf
     Returns:
         [N·m]
     """
-    feedback = config.stiffness * error[2] - config.damping * angular_velocity[2]
-    moment = momentum_rate + config.inertia * float(feedback)
+    feedback = config.stiffness * float(error[2]) - config.damping * float(angular_velocity[2])
+    moment = momentum_rate + config.inertia * feedback
     return min(max(moment, -config.yaw_limit), config.yaw_limit)

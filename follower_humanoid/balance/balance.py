@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
-from follower_humanoid.balance.attitude import AttitudeConfig, attitude_shift, yaw_moment
-from follower_humanoid.balance.com_offset import ComOffset, OffsetConfig
-from follower_humanoid.balance.dcm_law import CenterState, DcmConfig, desired_force, desired_zmp, measured_dcm
-from follower_humanoid.balance.foot_wrenches import FootShares, SoleConfig, foot_wrench, share_feet
+from follower_humanoid.balance.balance_config import BalanceConfig
+from follower_humanoid.balance.correction import Situation
+from follower_humanoid.balance.dcm_balance import DcmBalance
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
-from follower_humanoid.balance.zmp import SolePlace, ZmpConfig, convex_hull, measured_zmp
+from follower_humanoid.balance.support_polygon import ground_hull
+from follower_humanoid.balance.zmp import SolePlace, measured_zmp
 from follower_humanoid.balance.zmp_watch import ZmpWatch
-from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import (
     SIDES,
     Array,
@@ -26,24 +24,8 @@ from follower_humanoid.core.samples import (
     Side,
     Wrench,
 )
-from follower_humanoid.gait.pendulum import momentum_shift, natural_frequency
-from follower_humanoid.gait.swing_momentum import MomentumConfig, MomentumRate
+from follower_humanoid.robot.body_state import BodyState
 from follower_humanoid.robot.model import RobotModel
-
-LAWS = ("dcm",)
-
-
-@dataclass(frozen=True)
-class BalanceConfig:
-    """Parameters of ZMP balance."""
-
-    law: str = parameter("dcm", "balance law", choices=LAWS)
-    zmp: ZmpConfig = field(default_factory=ZmpConfig)
-    dcm: DcmConfig = field(default_factory=DcmConfig)
-    attitude: AttitudeConfig = field(default_factory=AttitudeConfig)
-    momentum: MomentumConfig = field(default_factory=MomentumConfig)
-    soles: SoleConfig = field(default_factory=SoleConfig)
-    offset: OffsetConfig = field(default_factory=OffsetConfig)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,51 +59,8 @@ class BalanceOutputs:
     right_foot_reference: Wrench | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Wanted:
-    """The reference of a tick, complete.
-
-    Attributes:
-        joints, base: Reference motion.
-        zmp, dcm: Plan in world, shape (2,) [m].
-        contacts: Planned shares of the weight.
-    """
-
-    joints: Joints
-    base: Odometry
-    zmp: Array
-    dcm: Array
-    contacts: ContactPlan
-
-    @classmethod
-    def of(cls, inputs: BalanceInputs) -> Wanted | None:
-        """The reference in the inputs, None before it is complete."""
-        joints, base, contacts = inputs.reference, inputs.base, inputs.contacts
-        zmp, dcm = inputs.zmp_reference, inputs.dcm_reference
-        if joints is None or base is None or contacts is None or zmp is None or dcm is None:
-            return None
-        return cls(joints, base, zmp.xyz[:2], dcm.xyz[:2], contacts)
-
-
-@dataclass(frozen=True, slots=True)
-class GroundWish:
-    """What the ground should do.
-
-    Attributes:
-        dcm: Measured, shape (2,) [m].
-        shares: Feet's shares and points.
-        force: Total force in world, shape (3,) [N].
-        yaw_moment: About the vertical [N·m].
-    """
-
-    dcm: Array
-    shares: FootShares
-    force: Array
-    yaw_moment: float
-
-
 class ZmpBalance:
-    """Keeps the ZMP inside the support polygon by the DCM law."""
+    """Measures ZMP, CoM and support polygon, and has the chosen law correct the reference."""
 
     Config = BalanceConfig
     Inputs = BalanceInputs
@@ -130,118 +69,75 @@ class ZmpBalance:
     def __init__(self, config: BalanceConfig, robot: RobotModel, period: float) -> None:
         self._config = config
         self._robot = robot
-        self._period = period
-        self._measured = robot.pin_model.createData()
-        self._wanted = robot.pin_model.createData()
-        self._soles = {side: robot.frame_id(f"{side.prefix}_sole") for side in SIDES}
-        self._grippers = {side: robot.frame_id(f"{side.prefix}_gripper") for side in SIDES}
+        self._law = DcmBalance(config, robot, period)
+        self._body = BodyState(robot)
+        self._wanted = BodyState(robot)
+        # Views that follow the body.
+        frames = self._body.frames
+        soles = {side: frames[robot.frame_id(f"{side.prefix}_sole")] for side in SIDES}
+        self._soles = {side: SolePlace(sole[3], sole[:3].T) for side, sole in soles.items()}
+        self._grippers = [frames[robot.frame_id(f"{side.prefix}_gripper"), 3] for side in SIDES]
         self._contacts = {
             side: [robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES
         }
-        self._offset = ComOffset(config.offset, robot)
-        self._swing = MomentumRate(config.momentum)
         self._watch = ZmpWatch()
 
     def step(self, inputs: BalanceInputs, time: float) -> BalanceOutputs:
         """One tick: measure, correct, distribute."""
         del time
         q, v = self._robot.state(inputs.odometry, inputs.joints)
-        state = self._update(q, v)
-        places = {side: self._place(side) for side in SIDES}
-        floor = self._config.zmp.force_floor
-        left, right = places[Side.LEFT], places[Side.RIGHT]
-        zmp = measured_zmp(inputs.left_foot, inputs.right_foot, left, right, floor)
+        self._body.update(q, v)
+        left, right = self._soles[Side.LEFT], self._soles[Side.RIGHT]
+        zmp = measured_zmp(inputs.left_foot, inputs.right_foot, left, right, self._config.zmp.force_floor)
         polygon = self._support_polygon(inputs)
-        self._watch.see(zmp, polygon, self._measured.oMi[1].rotation[:2, 0])
-        seen = BalanceOutputs(
-            com=Point(state.com),
-            zmp=_ground(zmp),
-            support_polygon=None if polygon is None else Polygon(_at_ground(polygon)),
-        )
-        wanted = Wanted.of(inputs)
-        if wanted is None:
-            return seen
-        hands = self._hands(inputs)
-        wish = self._wish(wanted, state, hands, places, v)
-        left_wrench, right_wrench = (
-            foot_wrench(
-                wish.shares.share[side], wish.shares.point[side], wish.force, wish.yaw_moment,
-                places[side], self._config.soles.friction,
-            )
-            for side in SIDES
-        )  # fmt: skip
-        self._watch.command(wish.shares.zmp)
-        return replace(
-            seen,
-            dcm=_ground(wish.dcm),
-            zmp_command=_ground(wish.shares.zmp),
-            reference=self._offset.step(wanted.joints, wanted.base, hands, self._period),
-            left_foot_reference=left_wrench,
-            right_foot_reference=right_wrench,
+        self._watch.see(zmp, polygon, self._body.base[0])
+        com, shown_zmp, shown_polygon = Point(self._body.com.copy()), _ground(zmp), _on_ground(polygon)
+        situation = self._situation(inputs, v)
+        if situation is None:
+            return BalanceOutputs(com, shown_zmp, shown_polygon)
+        correction = self._law.correct(situation)
+        self._watch.command(correction.zmp)
+        return BalanceOutputs(
+            com=com,
+            zmp=shown_zmp,
+            support_polygon=shown_polygon,
+            dcm=_ground(correction.dcm),
+            zmp_command=_ground(correction.zmp),
+            reference=correction.reference,
+            left_foot_reference=correction.left_foot,
+            right_foot_reference=correction.right_foot,
         )
 
     def diagnostics(self) -> dict[str, float | str]:
         """How the ZMP keeps to its command and to the support polygon."""
         return self._watch.diagnostics()
 
-    def _update(self, q: Array, v: Array) -> CenterState:
-        model, data = self._robot.pin_model, self._measured
-        pin.centerOfMass(model, data, q, v, False)
-        pin.updateFramePlacements(model, data)
-        return CenterState(np.array(data.com[0]), np.array(data.vcom[0]))
-
-    def _place(self, side: Side) -> SolePlace:
-        sole = self._measured.oMf[self._soles[side]]
-        return SolePlace(np.array(sole.translation), np.array(sole.rotation))
+    def _situation(self, inputs: BalanceInputs, v: Array) -> Situation | None:
+        """What the law works from; None before the reference is complete."""
+        joints, base, contacts = inputs.reference, inputs.base, inputs.contacts
+        zmp, dcm = inputs.zmp_reference, inputs.dcm_reference
+        if joints is None or base is None or contacts is None or zmp is None or dcm is None:
+            return None
+        q_wanted, v_wanted = self._robot.state(base, joints)
+        self._wanted.update(q_wanted, v_wanted)
+        return Situation(
+            body=self._body, v=v, soles=self._soles, hands=self._hands(inputs),
+            wanted=self._wanted, q_wanted=q_wanted, v_wanted=v_wanted,
+            zmp=zmp.xyz[:2], dcm=dcm.xyz[:2], contacts=contacts,
+        )  # fmt: skip
 
     def _hands(self, inputs: BalanceInputs) -> HandEffect:
-        wrenches = [
-            (wrench, np.array(self._measured.oMf[self._grippers[side]].translation))
-            for side, wrench in zip(SIDES, (inputs.left_hand, inputs.right_hand), strict=True)
-            if wrench is not None
-        ]
-        return hand_effect(wrenches, self._robot.mass)
-
-    def _wish(
-        self, wanted: Wanted, state: CenterState, hands: HandEffect, places: dict[Side, SolePlace], v: Array
-    ) -> GroundWish:
-        """Desired ZMP from the DCM error, then the ground force and the yaw moment that make it."""
-        config, robot = self._config, self._robot
-        q_ref, v_ref = robot.state(wanted.base, wanted.joints)
-        momentum = np.array(
-            pin.computeCentroidalMomentum(robot.pin_model, self._wanted, q_ref, v_ref).angular
-        )
-        reference = CenterState(np.array(self._wanted.com[0]), np.array(self._wanted.vcom[0]))
-        omega = natural_frequency(float(reference.com[2]))
-        dcm = measured_dcm(state, hands, omega)
-        zmp = desired_zmp(dcm, wanted.dcm, wanted.zmp, omega, config.dcm.proportional)
-        zmp = share_feet(zmp, places, wanted.contacts, config.soles).zmp
-        momentum_rate = self._swing.step(momentum, self._period)
-        force = desired_force(
-            state,
-            reference,
-            zmp,
-            momentum_shift(momentum_rate, robot.mass),
-            hands,
-            omega,
-            robot.mass,
-            config.dcm,
-        )
-        rotation, upright = self._measured.oMi[1].rotation, self._wanted.oMi[1].rotation
-        error = pin.log3(upright @ rotation.T)
-        rate = rotation @ v[3:6] - upright @ v_ref[3:6]
-        shift = attitude_shift(error, rate, robot.mass, config.attitude)
-        moment = yaw_moment(error, rate, float(momentum_rate[2]), config.attitude)
-        return GroundWish(dcm, share_feet(zmp + shift, places, wanted.contacts, config.soles), force, moment)
+        sensed = zip((inputs.left_hand, inputs.right_hand), self._grippers, strict=True)
+        known = [(wrench, hand) for wrench, hand in sensed if wrench is not None]
+        return hand_effect(known, self._robot.mass)
 
     def _support_polygon(self, inputs: BalanceInputs) -> Array | None:
-        config = self._config.zmp
-        points = []
+        config, points = self._config.zmp, []
         for side, wrench in zip(SIDES, (inputs.left_foot, inputs.right_foot), strict=True):
             if wrench.force[2] > config.carrying:
-                places = (self._measured.oMf[frame].translation for frame in self._contacts[side])
-                points += [place[:2] for place in places if place[2] < config.clearance]
-        return convex_hull(np.array(points)) if points else None
+                points += self._contacts[side]
+        hull = ground_hull(self._body.frames, np.array(points, dtype=np.int64), config.clearance)
+        return hull if len(hull) else None
 
 
 def _ground(point: Array | None) -> Point | None:
@@ -249,6 +145,10 @@ def _ground(point: Array | None) -> Point | None:
     return None if point is None else Point(np.array([point[0], point[1], 0.0]))
 
 
-def _at_ground(polygon: Array) -> Array:
-    """Vertices with z = 0, shape (n, 3)."""
-    return np.column_stack((polygon, np.zeros(len(polygon))))
+def _on_ground(polygon: Array | None) -> Polygon | None:
+    """A polygon of the ground as a sample."""
+    if polygon is None:
+        return None
+    vertices = np.zeros((len(polygon), 3))
+    vertices[:, :2] = polygon
+    return Polygon(vertices)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import pinocchio as pin
 
 from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry
+from follower_humanoid.core.samples import SIDES, Array, Joints
 from follower_humanoid.gait.differential_ik import BodyTask, DifferentialIk, FootTask, IkConfig
+from follower_humanoid.robot.body_state import BodyState
 from follower_humanoid.robot.model import BASE_DOF, RobotModel
 
 
@@ -30,44 +30,28 @@ class ComOffset:
     def __init__(self, config: OffsetConfig, robot: RobotModel) -> None:
         self._config = config
         self._robot = robot
-        self._data = robot.pin_model.createData()
         self._soles = {side: robot.frame_id(f"{side.prefix}_sole") for side in SIDES}
         self._ik: DifferentialIk | None = None
-        self._offset: Array = np.zeros(2)
+        self._offset = np.zeros(2)
 
-    def step(self, reference: Joints, base: Odometry, hands: HandEffect, dt: float) -> Joints:
+    def step(self, q: Array, v: Array, wanted: BodyState, hands: HandEffect, dt: float) -> Joints:
         """One tick.
 
         Args:
-            reference, base: Motion reference.
+            q, v: Reference configuration, shape (52,), and velocity, shape (51,).
+            wanted: Kinematics of that reference.
             hands: Effect of the hand forces.
             dt: Tick [s].
 
         Returns:
             The corrected joint reference.
         """
-        if not self._config.enabled:
-            return reference
-        model, data = self._robot.pin_model, self._data
-        q, v = self._robot.state(base, reference)
         if self._ik is None:
             self._ik = DifferentialIk(self._robot, self._config.ik, q)
-        pin.centerOfMass(model, data, q, v, False)
-        com, velocity = np.array(data.com[0][:2]), np.array(data.vcom[0][:2])
-        goal = np.clip(hands.resting_com(com) - com, -self._config.limit, self._config.limit)
-        rate = self._config.bandwidth * (goal - self._offset)
-        self._offset = self._offset + dt * rate
-        tasks = {}
-        for side, frame in self._soles.items():
-            place = pin.updateFramePlacement(model, data, frame)
-            motion = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-            tasks[side] = FootTask(
-                np.array(place.translation),
-                np.array(place.rotation, order="C"),
-                np.array(motion.linear),
-                np.array(motion.angular),
-            )
-        rotation = np.array(data.oMi[1].rotation, order="C")
+        com, velocity = wanted.com[:2], wanted.com_velocity[:2]
+        rate = self._move_offset(com, hands, dt)
+        feet = {side: self._as_wanted(wanted, frame) for side, frame in self._soles.items()}
+        rotation = wanted.base[:3].T
         body = BodyTask(
             com=com + self._offset, com_velocity=velocity + rate,
             pelvis_height=float(q[2]), pelvis_height_velocity=float(rotation[2] @ v[:3]),
@@ -75,6 +59,19 @@ class ComOffset:
         )  # fmt: skip
         ik = self._ik
         # Joints outside the IK follow the reference as it is.
-        given = reference.velocity + self._config.ik.foot_gain * (reference.position - ik.q[7:])
-        ik.advance(tasks, body, given, dt)
-        return Joints(ik.q[7:].copy(), ik.v[BASE_DOF:].copy(), np.zeros_like(reference.effort))
+        given = v[BASE_DOF:] + self._config.ik.foot_gain * (q[BASE_DOF + 1 :] - ik.q[BASE_DOF + 1 :])
+        ik.advance(feet, body, given, dt)
+        return Joints(ik.q[BASE_DOF + 1 :], ik.v[BASE_DOF:], np.zeros(len(given)))
+
+    def _move_offset(self, com: Array, hands: HandEffect, dt: float) -> Array:
+        """δ̇ towards the offset at which the CoM rests, shape (2,) [m/s]."""
+        config = self._config
+        goal = np.minimum(np.maximum(hands.resting_com(com) - com, -config.limit), config.limit)
+        rate = config.bandwidth * (goal - self._offset)
+        self._offset = self._offset + dt * rate
+        return rate
+
+    def _as_wanted(self, wanted: BodyState, sole: int) -> FootTask:
+        """A sole goes where the reference has it."""
+        place, twist = wanted.frames[sole], wanted.twist(sole)
+        return FootTask(place[3], place[:3].T, twist[:3], twist[3:])

@@ -9,7 +9,8 @@ import numpy as np
 
 from follower_humanoid.balance.zmp import SolePlace
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Side, Wrench
+from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.samples import Array, ContactPlan, Side, Wrench
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,67 @@ class FootShares:
     zmp: Array
 
 
+@kernel("UniTuple(float64, 2)(float64[:,:])")
+def ahead_of(rotation: Array) -> tuple[float, float]:
+    """Direction of a sole over the ground, of length 1."""
+    length = max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
+    return rotation[0, 0] / length, rotation[1, 0] / length
+
+
+@kernel("UniTuple(float64, 2)(float64, float64, float64[::1], float64[:,:], float64, float64, float64)")
+def nearest_in_sole(
+    x: float, y: float, position: Array, rotation: Array, back: float, front: float, side: float
+) -> tuple[float, float]:
+    """The point of the usable sole that is nearest to x, y [m]; arguments as in `shared`."""
+    c, s = ahead_of(rotation)
+    away_x, away_y = x - position[0], y - position[1]
+    forward = min(max(c * away_x + s * away_y, back), front)
+    left = min(max(c * away_y - s * away_x, -side), side)
+    return position[0] + forward * c - left * s, position[1] + forward * s + left * c
+
+
+@kernel(
+    "Tuple((float64, float64[::1], float64[::1], float64[::1]))(float64[::1], float64[::1], float64[:,:],"
+    " float64[::1], float64[:,:], float64, float64, float64, float64, float64, float64)"
+)
+def shared(
+    zmp: Array, left_position: Array, left_rotation: Array, right_position: Array, right_rotation: Array,
+    left_most: float, right_most: float, center: float, back: float, front: float, side: float,
+) -> tuple[float, Array, Array, Array]:  # fmt: skip
+    """The left foot's share, the points of left and right foot and the ZMP they make, see `share_feet`.
+
+    Args:
+        zmp: Desired ZMP in world, shape (2,) [m].
+        left_position, left_rotation, right_position, right_rotation: Soles in world.
+        left_most, right_most: Most that either foot may carry by plan, 0…1.
+        center: Middle of the sole ahead of the ankle [m].
+        back, front, side: Usable sole [m].
+    """
+    c, s = ahead_of(left_rotation)
+    left_x, left_y = left_position[0] + center * c, left_position[1] + center * s
+    c, s = ahead_of(right_rotation)
+    right_x, right_y = right_position[0] + center * c, right_position[1] + center * s
+    line_x, line_y = left_x - right_x, left_y - right_y
+    length2 = line_x**2 + line_y**2
+    left = 0.5
+    if length2 > 1e-6:
+        left = ((zmp[0] - right_x) * line_x + (zmp[1] - right_y) * line_y) / length2
+    # Loads change hands only as fast as the plan lets them.
+    low, high = 1.0 - right_most, left_most
+    left = min(max(left, min(low, high)), max(low, high))
+    right = 1.0 - left
+    rest_x = zmp[0] - (left * left_x + right * right_x)
+    rest_y = zmp[1] - (left * left_y + right * right_y)
+    left_x, left_y = nearest_in_sole(
+        left_x + rest_x, left_y + rest_y, left_position, left_rotation, back, front, side
+    )
+    right_x, right_y = nearest_in_sole(
+        right_x + rest_x, right_y + rest_y, right_position, right_rotation, back, front, side
+    )
+    made = np.array([left * left_x + right * right_x, left * left_y + right * right_y])
+    return left, np.array([left_x, left_y]), np.array([right_x, right_y]), made
+
+
 def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, config: SoleConfig) -> FootShares:
     """Feet's shares that make a ZMP: first by where it lies between the feet, the rest inside the soles.
 
@@ -47,19 +109,35 @@ def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, conf
         plan: Most that either foot may carry by plan.
         config: Usable sole.
     """
-    allowed = {Side.LEFT: plan.left, Side.RIGHT: plan.right}
-    middle = {side: _on_ground(soles[side], config.center, 0.0) for side in SIDES}
-    line = middle[Side.LEFT] - middle[Side.RIGHT]
-    length2 = float(line @ line)
-    left = float((zmp - middle[Side.RIGHT]) @ line) / length2 if length2 > 1e-6 else 0.5
-    # Loads change hands only as fast as the plan lets them.
-    low, high = 1.0 - allowed[Side.RIGHT], allowed[Side.LEFT]
-    left = min(max(left, min(low, high)), max(low, high))
-    share = {Side.LEFT: left, Side.RIGHT: 1.0 - left}
-    rest = zmp - (left * middle[Side.LEFT] + (1.0 - left) * middle[Side.RIGHT])
-    point = {side: _clamp_to_sole(middle[side] + rest, soles[side], config) for side in SIDES}
-    reached = share[Side.LEFT] * point[Side.LEFT] + share[Side.RIGHT] * point[Side.RIGHT]
-    return FootShares(share, point, reached)
+    left, right = soles[Side.LEFT], soles[Side.RIGHT]
+    share, left_point, right_point, made = shared(
+        zmp, left.position, left.rotation, right.position, right.rotation,
+        plan.left, plan.right, config.center, config.back, config.front, config.side,
+    )  # fmt: skip
+    shares = {Side.LEFT: share, Side.RIGHT: 1.0 - share}
+    return FootShares(shares, {Side.LEFT: left_point, Side.RIGHT: right_point}, made)
+
+
+@kernel(
+    "UniTuple(float64[::1], 2)(float64, float64[::1], float64[::1], float64, float64[::1], float64[:,:],"
+    " float64)"
+)
+def wrench_in_sole(
+    share: float, point: Array, force: Array, yaw_moment: float,
+    position: Array, rotation: Array, friction: float,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Force and moment of `foot_wrench`; position and rotation are the sole's."""
+    f_x, f_y, f_z = share * force[0], share * force[1], share * force[2]
+    tangential, limit = math.hypot(f_x, f_y), friction * max(f_z, 0.0)
+    if tangential > limit:
+        f_x, f_y = f_x * (limit / tangential), f_y * (limit / tangential)
+    x, y, z = point[0] - position[0], point[1] - position[1], -position[2]
+    m_x, m_y, m_z = y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x + share * yaw_moment
+    force_in_sole, moment_in_sole = np.empty(3), np.empty(3)
+    for i in range(3):
+        force_in_sole[i] = rotation[0, i] * f_x + rotation[1, i] * f_y + rotation[2, i] * f_z
+        moment_in_sole[i] = rotation[0, i] * m_x + rotation[1, i] * m_y + rotation[2, i] * m_z
+    return force_in_sole, moment_in_sole
 
 
 def foot_wrench(
@@ -75,33 +153,4 @@ def foot_wrench(
         place: The sole.
         friction: Limit of tangential over normal force.
     """
-    own = share * force
-    tangential, limit = math.hypot(own[0], own[1]), friction * max(own[2], 0.0)
-    if tangential > limit:
-        own = own * np.array([limit / tangential, limit / tangential, 1.0])
-    x, y = point - place.position[:2]
-    z = -place.position[2]
-    moment = np.array(
-        [y * own[2] - z * own[1], z * own[0] - x * own[2], x * own[1] - y * own[0] + share * yaw_moment]
-    )
-    to_sole = place.rotation.T
-    return Wrench(to_sole @ own, to_sole @ moment)
-
-
-def _on_ground(place: SolePlace, forward: float, left: float) -> Array:
-    """A point of the sole, in world over the ground, shape (2,) [m]."""
-    ahead = place.rotation[:2, 0]
-    ahead = ahead / max(math.hypot(ahead[0], ahead[1]), 1e-9)
-    across = np.array([-ahead[1], ahead[0]])
-    return np.array(place.position[:2] + forward * ahead + left * across)
-
-
-def _clamp_to_sole(point: Array, place: SolePlace, config: SoleConfig) -> Array:
-    """The nearest point of the usable sole."""
-    ahead = place.rotation[:2, 0]
-    ahead = ahead / max(math.hypot(ahead[0], ahead[1]), 1e-9)
-    across = np.array([-ahead[1], ahead[0]])
-    away = point - place.position[:2]
-    forward = min(max(float(away @ ahead), config.back), config.front)
-    left = min(max(float(away @ across), -config.side), config.side)
-    return np.array(place.position[:2] + forward * ahead + left * across)
+    return Wrench(*wrench_in_sole(share, point, force, yaw_moment, place.position, place.rotation, friction))

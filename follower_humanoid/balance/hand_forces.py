@@ -46,12 +46,14 @@ def hand_effect(wrenches: list[tuple[Wrench, Array]], mass: float) -> HandEffect
         mass: Robot mass [kg].
     """
     weight = mass * GRAVITY
-    kappa, gamma, total = 1.0, np.zeros(2), np.zeros(3)
-    for wrench, h in wrenches:
-        f, mu = wrench.force, wrench.torque
-        kappa -= float(f[2]) / weight
-        gamma = (
-            gamma + np.array([h[2] * f[0] - h[0] * f[2] + mu[1], h[2] * f[1] - h[1] * f[2] - mu[0]]) / weight
-        )
-        total = total + f
-    return HandEffect(kappa, gamma, total)
+    kappa, gamma_x, gamma_y = 1.0, 0.0, 0.0
+    total_x, total_y, total_z = 0.0, 0.0, 0.0
+    for wrench, point in wrenches:
+        # Plain numbers: NumPy's calls would cost more than the arithmetic.
+        (f_x, f_y, f_z), (mu_x, mu_y, _) = wrench.force.tolist(), wrench.torque.tolist()
+        h_x, h_y, h_z = point.tolist()
+        kappa -= f_z / weight
+        gamma_x += (h_z * f_x - h_x * f_z + mu_y) / weight
+        gamma_y += (h_z * f_y - h_y * f_z - mu_x) / weight
+        total_x, total_y, total_z = total_x + f_x, total_y + f_y, total_z + f_z
+    return HandEffect(kappa, np.array([gamma_x, gamma_y]), np.array([total_x, total_y, total_z]))

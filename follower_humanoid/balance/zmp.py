@@ -1,4 +1,4 @@
-"""Zero moment point and support polygon, from what the feet measure."""
+"""Zero moment point, from what the feet measure."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array, Wrench
 
 
@@ -34,15 +35,34 @@ class SolePlace:
     rotation: Array
 
 
+@kernel("Tuple((float64, float64, float64))(float64[:,:], float64[::1])")
+def turned(rotation: Array, vector: Array) -> tuple[float, float, float]:
+    """`rotation @ vector` in plain numbers."""
+    return (
+        rotation[0, 0] * vector[0] + rotation[0, 1] * vector[1] + rotation[0, 2] * vector[2],
+        rotation[1, 0] * vector[0] + rotation[1, 1] * vector[1] + rotation[1, 2] * vector[2],
+        rotation[2, 0] * vector[0] + rotation[2, 1] * vector[1] + rotation[2, 2] * vector[2],
+    )
+
+
+@kernel("UniTuple(float64[::1], 2)(float64[::1], float64[::1], float64[::1], float64[:,:])")
+def moved_to_origin(force: Array, torque: Array, position: Array, rotation: Array) -> tuple[Array, Array]:
+    """Force and moment about the world origin in world axes of a wrench at and in a frame.
+
+    Args:
+        force, torque: The wrench, shape (3,) each [N], [N·m].
+        position, rotation: Pose of the frame in world, shape (3,) [m] and (3, 3).
+    """
+    fx, fy, fz = turned(rotation, force)
+    mx, my, mz = turned(rotation, torque)
+    x, y, z = position[0], position[1], position[2]
+    moment = np.array([mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx])
+    return np.array([fx, fy, fz]), moment
+
+
 def wrench_about_origin(wrench: Wrench, place: SolePlace) -> tuple[Array, Array]:
     """Force and moment about the world origin, both in world axes, shape (3,) each [N], [N·m]."""
-    force = place.rotation @ wrench.force
-    x, y, z = place.position
-    moment = place.rotation @ wrench.torque
-    moment = moment + np.array(
-        [y * force[2] - z * force[1], z * force[0] - x * force[2], x * force[1] - y * force[0]]
-    )
-    return force, moment
+    return moved_to_origin(wrench.force, wrench.torque, place.position, place.rotation)
 
 
 def measured_zmp(
@@ -62,63 +82,8 @@ def measured_zmp(
     """
     force_left, moment_left = wrench_about_origin(left, left_place)
     force_right, moment_right = wrench_about_origin(right, right_place)
-    vertical = force_left[2] + force_right[2]
+    vertical = float(force_left[2] + force_right[2])
     if vertical < force_floor:
         return None
-    moment = moment_left + moment_right
-    return np.array([-moment[1] / vertical, moment[0] / vertical])
-
-
-def convex_hull(points: Array) -> Array:
-    """Convex hull in the plane, counter-clockwise, by Andrew's monotone chain.
-
-    Args:
-        points: Shape (n, 2), n ≥ 1.
-
-    Returns:
-        Shape (m, 2), m ≤ n.
-    """
-    ordered = sorted({(float(x), float(y)) for x, y in points})
-    if len(ordered) < 3:
-        return np.array(ordered)
-
-    def half(sequence: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        chain: list[tuple[float, float]] = []
-        for point in sequence:
-            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0.0:
-                chain.pop()
-            chain.append(point)
-        return chain[:-1]
-
-    return np.array(half(ordered) + half(ordered[::-1]))
-
-
-def polygon_margin(polygon: Array, point: Array) -> float:
-    """Distance of a point to the nearest edge of a convex polygon, positive inside [m].
-
-    Args:
-        polygon: Vertices counter-clockwise, shape (n, 2) [m].
-        point: Shape (2,) [m].
-    """
-    if len(polygon) < 3:
-        return -_distance_to_edges(polygon, point)
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    normals = np.column_stack((-edges[:, 1], edges[:, 0])) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
-    inside = float(np.min(np.sum(normals * (point - polygon), axis=1)))
-    if inside >= 0.0:
-        return inside
-    return -_distance_to_edges(polygon, point)
-
-
-def _distance_to_edges(polygon: Array, point: Array) -> float:
-    """Distance of a point to the nearest point of the closed line through the vertices [m]."""
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    lengths2 = np.maximum(np.sum(edges**2, axis=1), 1e-18)
-    along = np.clip(np.sum((point - polygon) * edges, axis=1) / lengths2, 0.0, 1.0)
-    nearest = polygon + along[:, None] * edges
-    return float(np.min(np.hypot(*(point - nearest).T)))
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    """Positive where a → b → c turns left."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    m_x, m_y, _ = (moment_left + moment_right).tolist()
+    return np.array([-m_y / vertical, m_x / vertical])

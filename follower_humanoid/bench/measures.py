@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from follower_humanoid.balance.zmp import convex_hull, polygon_margin
+from follower_humanoid.balance.support_polygon import convex_hull, polygon_margin
 from follower_humanoid.bench.kinematics import Motion
 from follower_humanoid.core.samples import SIDES, Array, Side
 from follower_humanoid.graph.record import Run, Series

@@ -37,7 +37,7 @@ class FootTask:
 
     Attributes:
         position: Sole origin, shape (3,) [m].
-        rotation: Sole to world, shape (3, 3), C-contiguous.
+        rotation: Sole to world, shape (3, 3).
         linear_velocity: Shape (3,) [m/s].
         angular_velocity: Shape (3,) [rad/s].
     """
@@ -57,7 +57,7 @@ class BodyTask:
         com_velocity: Shape (2,) [m/s].
         pelvis_height: Of `base_link` [m].
         pelvis_height_velocity: [m/s].
-        pelvis_rotation: base_link to world, shape (3, 3), C-contiguous.
+        pelvis_rotation: base_link to world, shape (3, 3).
         pelvis_angular_velocity: Shape (3,) [rad/s].
     """
 

@@ -17,7 +17,7 @@ from follower_humanoid.robot.model import BASE_DOF, Indices
 TASKS = 18  # equations, and unknowns
 
 
-@kernel("Tuple((float64, float64, float64))(float64[:,::1], float64[:,::1])")
+@kernel("Tuple((float64, float64, float64))(float64[:,:], float64[:,::1])")
 def turn_to(wanted: Array, now: Array) -> tuple[float, float, float]:
     """log(R_d Rᵀ): the rotation vector in world from an attitude to a wanted one [rad].
 
@@ -41,7 +41,7 @@ def turn_to(wanted: Array, now: Array) -> tuple[float, float, float]:
 
 
 @kernel(
-    "void(float64[::1], float64[:,::1], float64[::1], float64[::1], float64[:,::1], float64, float64,"
+    "void(float64[::1], float64[:,:], float64[::1], float64[::1], float64[:,::1], float64, float64,"
     " float64[::1])"
 )
 def foot_rates(
@@ -65,7 +65,7 @@ def foot_rates(
 
 
 @kernel(
-    "void(float64[::1], float64[::1], float64, float64, float64[:,::1], float64[::1], float64[::1],"
+    "void(float64[::1], float64[::1], float64, float64, float64[:,:], float64[::1], float64[::1],"
     " float64[:,::1], float64, float64, float64[::1])"
 )
 def body_rates(

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from follower_humanoid.balance.zmp import convex_hull, polygon_margin
+from follower_humanoid.balance.support_polygon import convex_hull, polygon_margin
 from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.record import Run, Series
 from follower_humanoid.pictures.palette import BAND, COMMAND, PCM, PLAN, ZMP

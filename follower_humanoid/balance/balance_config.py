@@ -1,0 +1,28 @@
+"""All parameters of ZMP balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from follower_humanoid.balance.attitude import AttitudeConfig
+from follower_humanoid.balance.com_offset import OffsetConfig
+from follower_humanoid.balance.dcm_law import DcmConfig
+from follower_humanoid.balance.foot_wrenches import SoleConfig
+from follower_humanoid.balance.zmp import ZmpConfig
+from follower_humanoid.core.config import parameter
+from follower_humanoid.gait.swing_momentum import MomentumConfig
+
+LAWS = ("dcm",)
+
+
+@dataclass(frozen=True)
+class BalanceConfig:
+    """Parameters of ZMP balance."""
+
+    law: str = parameter("dcm", "balance law", choices=LAWS)
+    zmp: ZmpConfig = field(default_factory=ZmpConfig)
+    dcm: DcmConfig = field(default_factory=DcmConfig)
+    attitude: AttitudeConfig = field(default_factory=AttitudeConfig)
+    momentum: MomentumConfig = field(default_factory=MomentumConfig)
+    soles: SoleConfig = field(default_factory=SoleConfig)
+    offset: OffsetConfig = field(default_factory=OffsetConfig)

@@ -1,0 +1,55 @@
+"""What a balance law works from and what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from follower_humanoid.balance.hand_forces import HandEffect
+from follower_humanoid.balance.zmp import SolePlace
+from follower_humanoid.core.samples import Array, ContactPlan, Joints, Side, Wrench
+from follower_humanoid.robot.body_state import BodyState
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """One tick: the robot as measured and the complete reference. Arrays and bodies change with the next.
+
+    Attributes:
+        body: Measured kinematics.
+        v: Measured velocity, shape (51,).
+        soles: Measured places of the soles.
+        hands: Effect of the hand forces.
+        wanted: Kinematics of the reference motion.
+        q_wanted, v_wanted: Its configuration, shape (52,), and velocity, shape (51,).
+        zmp, dcm: Plan in world, shape (2,) [m].
+        contacts: Planned shares of the weight.
+    """
+
+    body: BodyState
+    v: Array
+    soles: dict[Side, SolePlace]
+    hands: HandEffect
+    wanted: BodyState
+    q_wanted: Array
+    v_wanted: Array
+    zmp: Array
+    dcm: Array
+    contacts: ContactPlan
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """What a law asks for.
+
+    Attributes:
+        dcm: Measured, in world, shape (2,) [m].
+        zmp: Commanded, in world, shape (2,) [m].
+        reference: Corrected joint reference.
+        left_foot, right_foot: What the ground should do to each foot, at and in its sole frame.
+    """
+
+    dcm: Array
+    zmp: Array
+    reference: Joints
+    left_foot: Wrench
+    right_foot: Wrench
