@@ -24,6 +24,7 @@ PYTHON_REQUIREMENTS = [
     "pybullet>=3.2.7",  # earlier ones double the torques of the wrist sensors
     "pyyaml",
     "scipy",
+    "setproctitle",
     "viser>=1.1",
     "zstandard",
 ]

@@ -32,20 +32,19 @@ def wait_until(condition, patience: float = PATIENCE) -> bool:
     return False
 
 
-def processes_with_parent_mark(pid: int) -> list[tuple[int, str]]:
+def processes_of(pid: int) -> list[tuple[int, str]]:
     """Process ids and command lines of everything that a bringup with this id has started."""
     found = []
-    mark = f"FOLLOWER_HUMANOID_PARENT={pid}".encode()
+    mark = f"follower_humanoid_{pid}_"  # the folder with their parameters
     for entry in Path("/proc").iterdir():
         if not entry.name.isdigit():
             continue
         try:
-            if mark in (entry / "environ").read_bytes().split(b"\0"):
-                words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
-                if words:  # a zombie has none
-                    found.append((int(entry.name), words))
-        except OSError:  # gone meanwhile, or not ours
+            words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+        except OSError:  # gone meanwhile
             continue
+        if mark in words:
+            found.append((int(entry.name), words))
     return found
 
 
@@ -67,7 +66,7 @@ class Bringup:
         return self.err.read_text()
 
     def children(self) -> list[tuple[int, str]]:
-        return processes_with_parent_mark(self.process.pid)
+        return processes_of(self.process.pid)
 
     def child(self, name: str) -> int:
         """Process id of the node of that name."""
@@ -115,9 +114,9 @@ def bringup(folder: Path, *args: str) -> Iterator[Bringup]:
         if process.poll() is None:
             process.kill()
             process.wait()
-        left = processes_with_parent_mark(process.pid)
-        if not wait_until(lambda: not processes_with_parent_mark(process.pid), 5.0):
-            for pid, _ in processes_with_parent_mark(process.pid):
+        left = processes_of(process.pid)
+        if not wait_until(lambda: not processes_of(process.pid), 5.0):
+            for pid, _ in processes_of(process.pid):
                 os.kill(pid, signal.SIGKILL)
             raise AssertionError(f"left behind: {left}")
 

@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from graph_bench import PATIENCE, bringup, node, processes_with_parent_mark, run, script, wait_until
+from graph_bench import PATIENCE, bringup, node, processes_of, run, script, wait_until
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.simulate import simulate
@@ -122,7 +122,7 @@ def test_nothing_outlives_a_killed_bringup(place):
     with bringup(place, "--leader", "none", "--bag", str(place / "orphaned")) as running:
         running.wait_until_it_runs()
         running.process.kill()
-        assert wait_until(lambda: not processes_with_parent_mark(running.process.pid), 5.0)
+        assert wait_until(lambda: not processes_of(running.process.pid), 5.0)
     assert len(recorded(place / "orphaned")["joint_states"]) > 1
 
 

@@ -15,6 +15,7 @@ import yaml
 from lifecycle_msgs.msg import Transition
 from rclpy.utilities import ok, try_shutdown
 
+from follower_humanoid.compile import import_components
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
@@ -41,7 +42,8 @@ class BringupRun:
         self._plan = plan
         self._stop = StopSignal()
         self._line = StatusLine()
-        self._folder = Path(tempfile.mkdtemp(prefix="follower_humanoid_"))
+        self._folder = Path(tempfile.mkdtemp(prefix=f"follower_humanoid_{os.getpid()}_"))
+        self._parameter_file = self._folder / "parameters.yaml"
         self._crew = Crew(roomy_transport(self._folder))
         self._director: Director
         self._active_since = math.inf  # from then on a sign of life is due
@@ -53,6 +55,8 @@ class BringupRun:
             os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         arguments = self._ros_arguments()
         try:
+            import_components()
+            self._fork_nodes([*arguments, "--params-file", str(self._parameter_file)])
             start_ros(arguments)
             self._director = Director()
             return self._start_and_watch(arguments)
@@ -70,13 +74,15 @@ class BringupRun:
 
     def _start_and_watch(self, arguments: list[str]) -> int:
         plan, director = self._plan, self._director
-        parameters = self._folder / "parameters.yaml"
         if plan.options.bag:
             about = self._folder / "about.yaml"
             about.write_text(yaml.safe_dump(plan.about, allow_unicode=True), encoding="utf-8")
             plan.parameters[RECORDER]["about"] = str(about)
-        parameters.write_text(plan.parameter_file(director.namespace), encoding="utf-8")
-        self._start_processes([*arguments, "--params-file", str(parameters)])
+        self._parameter_file.write_text(plan.parameter_file(director.namespace), encoding="utf-8")
+        self._crew.begin()
+        if plan.options.view:
+            words = [*arguments, "--params-file", str(self._parameter_file)]
+            self._crew.start(VIEWER, [*node_command(VIEWER), *words], (), vital=False)
         end = self._lead_to_activity()
         self._active_since = time.monotonic()
         while end is None:
@@ -93,19 +99,16 @@ class BringupRun:
         lost = self._crew.ended()
         return None if lost is None else End(Outcome.LOST, lost)
 
-    def _start_processes(self, arguments: list[str]) -> None:
+    def _fork_nodes(self, arguments: list[str]) -> None:
+        """Before ROS runs in this process; they wait for their parameters."""
         plan = self._plan
         if plan.options.composed:
-            names = ",".join(plan.nodes)
-            command = [*node_command(COMPOSED), "--nodes", names, *arguments]
-            self._crew.start(COMPOSED, command, plan.nodes)
+            self._crew.fork(COMPOSED, ["--nodes", ",".join(plan.nodes), *arguments], plan.nodes)
         else:
             for name in plan.nodes:
-                self._crew.start(name, [*node_command(name), *arguments], (name,))
+                self._crew.fork(name, arguments, (name,))
         if plan.options.bag:
-            self._crew.start(RECORDER, [*node_command(RECORDER), *arguments], (RECORDER,))
-        if plan.options.view:
-            self._crew.start(VIEWER, [*node_command(VIEWER), *arguments], (), vital=False)
+            self._crew.fork(RECORDER, arguments, (RECORDER,))
 
     def _lead_to_activity(self) -> End | None:
         """Configures and activates everyone, the simulator last; returns an end that came too early.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import importlib
 import os
 import signal
 import subprocess
@@ -9,6 +11,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from follower_humanoid.resources import node_command
+from follower_humanoid.ros.forked import Forked, Gate
 from follower_humanoid.ros.spin import PARENT
 
 
@@ -25,18 +29,8 @@ class Member:
 
     name: str
     nodes: tuple[str, ...]
-    process: subprocess.Popen[bytes]
+    process: subprocess.Popen[bytes] | Forked
     vital: bool = True
-
-
-def child_environment() -> dict[str, str]:
-    """What every process of the graph gets."""
-    environment = dict(os.environ)
-    environment[PARENT] = str(os.getpid())
-    for library in ("OMP", "OPENBLAS", "MKL"):
-        # Small matrices, several processes, few cores: more threads only wait for one another.
-        environment.setdefault(f"{library}_NUM_THREADS", "1")
-    return environment
 
 
 class Crew:
@@ -45,7 +39,8 @@ class Crew:
     def __init__(self, environment: Mapping[str, str]) -> None:
         """Nobody yet. Args: what to add to everyone's environment."""
         self.members: list[Member] = []
-        self._environment = {**child_environment(), **environment}
+        self._environment = {PARENT: str(os.getpid()), **environment}
+        self._gate = Gate()
 
     def start(self, name: str, command: Sequence[str], nodes: tuple[str, ...], vital: bool = True) -> None:
         """Starts one process, in a session of its own: Ctrl-C reaches bringup alone, which ends the others.
@@ -54,12 +49,24 @@ class Crew:
         """
         process = subprocess.Popen(
             list(command),
-            env=self._environment,
+            env={**os.environ, **self._environment},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             start_new_session=True,
         )
         self.members.append(Member(name, nodes, process, vital))
+
+    def fork(self, name: str, args: Sequence[str], nodes: tuple[str, ...]) -> None:
+        """Starts one executable of the package with all that is imported already; it waits for `begin`."""
+        main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
+        gc.freeze()  # pages that no collection touches stay shared
+        command = [*node_command(name), *args]
+        process = Forked(command, lambda: int(main(list(args))), self._environment, self._gate)
+        self.members.append(Member(name, nodes, process))
+
+    def begin(self) -> None:
+        """Lets the forked ones go on."""
+        self._gate.open()
 
     def ended(self) -> Member | None:
         """The first member whose process is over, of those that the run needs."""
@@ -83,6 +90,7 @@ class Crew:
 
     def kill(self) -> None:
         """Ends whoever is left, at once."""
+        self._gate.close()
         for member in self.members:
             if member.process.poll() is None:
                 member.process.kill()

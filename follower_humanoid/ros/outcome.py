@@ -68,9 +68,9 @@ def _judged(end: End, simulator: Mapping[str, str], stuck: Sequence[str]) -> tup
         status = int(simulator.get(EXIT_STATUS, FAILED))
         lost = [f"lost: {', '.join(stuck)} (no sign of life)"] if stuck and status == FAILED else []
         return status, [word, *lost] if status else []
-    if member is None:
+    ended = None if member is None else member.process.returncode
+    if member is None or ended is None:
         return FAILED, []
-    ended = member.process.returncode
     if ended == BAD_CONFIGURATION:
         return BAD_CONFIGURATION, []  # the node has said why
     nodes = "" if member.nodes in ((), (member.name,)) else f" with {', '.join(member.nodes)}"

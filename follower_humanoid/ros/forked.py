@@ -1,0 +1,123 @@
+"""A process that begins where this one is: what has been imported need not be imported again.
+
+Nothing of ROS may be running in this process yet: threads do not survive a fork.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+
+import setproctitle
+
+_POLL = 0.01
+
+
+class Gate:
+    """Holds forked processes back until all is prepared for them."""
+
+    def __init__(self) -> None:
+        """Closed."""
+        self._reading, self._writing = os.pipe()
+        self._waiting = 0
+
+    def expect(self) -> None:
+        """One more will wait."""
+        self._waiting += 1
+
+    def wait(self) -> bool:
+        """In the forked process: whether it may go on; False where the other one has gone."""
+        os.close(self._writing)
+        may = bool(os.read(self._reading, 1))
+        os.close(self._reading)
+        return may
+
+    def open(self) -> None:
+        """Lets them go on."""
+        os.write(self._writing, b"." * self._waiting)
+        self.close()
+
+    def close(self) -> None:
+        """Ends the wait; who has not passed goes home."""
+        for end in (self._reading, self._writing):
+            if end >= 0:
+                os.close(end)
+        self._reading = self._writing = -1
+
+
+class Forked:
+    """A process as `subprocess.Popen` has it: `pid`, `returncode`, `poll`, `wait`, `kill`, `send_signal`.
+
+    It has a session of its own, no input, and drops what it prints to stdout.
+    """
+
+    def __init__(
+        self, command: Sequence[str], main: Callable[[], int], environment: Mapping[str, str], gate: Gate
+    ) -> None:
+        """Forks.
+
+        Args:
+            command: What `ps -f` shows.
+            main: What it does; returns the exit status.
+            environment: Its environment.
+            gate: It waits there first.
+        """
+        self.returncode: int | None = None
+        gate.expect()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        self.pid = os.fork()
+        if self.pid == 0:
+            _live(command, main, environment, gate)
+
+    def poll(self) -> int | None:
+        """The exit status, negative for a signal; None while it runs."""
+        if self.returncode is None:
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+            if pid:
+                self.returncode = os.waitstatus_to_exitcode(status)
+        return self.returncode
+
+    def wait(self) -> int:
+        """Until it is over."""
+        while (status := self.poll()) is None:
+            time.sleep(_POLL)
+        return status
+
+    def send_signal(self, number: int) -> None:
+        """To the running process."""
+        if self.poll() is None:
+            os.kill(self.pid, number)
+
+    def kill(self) -> None:
+        """At once."""
+        self.send_signal(signal.SIGKILL)
+
+
+def _live(
+    command: Sequence[str], main: Callable[[], int], environment: Mapping[str, str], gate: Gate
+) -> None:
+    """The forked process's whole life: nothing of its parent's unfinished work is done by it."""
+    status = 1
+    try:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_DFL)
+        os.setsid()
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for stream in (0, 1):
+            os.dup2(nowhere, stream)
+        os.close(nowhere)
+        setproctitle.setproctitle(" ".join(command))
+        os.environ.update(environment)
+        status = main() if gate.wait() else 0
+    except SystemExit as end:
+        status = end.code if isinstance(end.code, int) else 1
+    except BaseException:  # whatever it is: the user must see it, and this process must not go on
+        traceback.print_exc()
+    finally:
+        sys.stderr.flush()
+        os._exit(status)
