@@ -19,8 +19,10 @@ PACKAGE = ROOT / "follower_humanoid"
 # Import name → name in package.xml; None: brought by another dependency or told in a comment there.
 ROSDEP = {
     "matplotlib": "python3-matplotlib",
+    "numba": "python3-numba",
     "numpy": "python3-numpy",
     "scipy": "python3-scipy",
+    "setproctitle": "python3-setproctitle",
     "yaml": "python3-yaml",
     "mcap": None,
     "pinocchio": None,

@@ -69,9 +69,10 @@ def checkout(tmp_path: Path) -> Checkout:
 def test_first_start_installs_and_runs_with_the_arguments(checkout):
     done = checkout.run("scripts/bringup", "--leader", "fig 4")
     assert done.returncode == 0, done.stderr
-    install, run = checkout.called()
+    install, compilation, run = checkout.called()
     assert install.startswith("pip install")
     assert install.endswith(f"--editable {checkout.root}")
+    assert compilation == "follower_humanoid.compile"
     assert run == f"{checkout.root}/scripts/exe/bringup --leader fig 4"
     assert done.stdout == ""
     assert "installing" in done.stderr
@@ -91,7 +92,7 @@ def test_a_changed_setup_is_installed_again(checkout):
     with (checkout.root / "setup.py").open("a", encoding="utf-8") as file:
         file.write("# changed\n")
     checkout.run("scripts/bringup")
-    assert len(checkout.called()) == 2
+    assert len(checkout.called()) == 3
 
 
 def test_tests_need_their_own_tools_and_run_style_types_and_pytest(checkout):
@@ -99,7 +100,7 @@ def test_tests_need_their_own_tools_and_run_style_types_and_pytest(checkout):
     checkout.called()
     done = checkout.run("scripts/test", "-k", "zmp")
     assert done.returncode == 0, done.stderr
-    install, ruff, mypy, pytest_call = checkout.called()
+    install, _, ruff, mypy, pytest_call = checkout.called()
     assert install.endswith(f"--editable {checkout.root}[test]")
     assert (ruff, mypy, pytest_call) == ("ruff check .", "mypy", "pytest -k zmp")
 
@@ -116,7 +117,7 @@ def test_an_environment_whose_interpreter_is_gone_is_made_anew(checkout):
     checkout.called()
     (checkout.root / ".venv" / "bin" / "python3").unlink()
     assert checkout.run("scripts/bringup").returncode == 0
-    assert len(checkout.called()) == 2
+    assert len(checkout.called()) == 3
 
 
 def test_ci_runs_the_tests(checkout):
