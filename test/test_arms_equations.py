@@ -91,20 +91,18 @@ def test_equations_3_and_4_power_balance_and_static_displacement_along_the_force
 def test_equation_5_is_equation_3_seen_from_the_joints(jacobians):
     for jacobian in jacobians:
         inertia, force = RNG.uniform(1, 5, 3), RNG.normal(scale=20, size=3)
-        inverse = task_inverse(jacobian, 0.08, 0.05)
-        a = impedance_acceleration(inertia, jacobian, inverse, force)
+        inverse = task_inverse(jacobian[None], 0.08, 0.05)
+        a = impedance_acceleration(inertia, jacobian[None], inverse.inverse, force[None])[0]
         np.testing.assert_allclose(jacobian @ a, force / inertia, atol=1e-9)
 
 
 def test_equation_6_reaches_the_task_velocity_and_the_rest_stays_in_the_null_space(jacobians):
     for jacobian in jacobians:
-        inverse = task_inverse(jacobian, 0.08, 0.05)
+        inverse = task_inverse(jacobian[None], 0.08, 0.05)
         wanted, one, other = RNG.normal(size=3), RNG.normal(size=7), RNG.normal(size=7)
-        found = joint_velocity(inverse, wanted, one)
+        found, otherwise = (joint_velocity(inverse, wanted[None], aside[None])[0] for aside in (one, other))
         np.testing.assert_allclose(jacobian @ found, wanted, atol=1e-10)
-        np.testing.assert_allclose(
-            jacobian @ (found - joint_velocity(inverse, wanted, other)), np.zeros(3), atol=1e-10
-        )
+        np.testing.assert_allclose(jacobian @ (found - otherwise), np.zeros(3), atol=1e-10)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -125,10 +123,11 @@ def test_equation_7_is_the_gradient_of_the_distance_from_the_limits(robot, seed)
 def test_equation_8_corrected_pulls_back_and_as_printed_would_push_away(jacobians):
     wanted = Impedance.with_damping_ratio(np.full(3, 2.0), np.full(3, 1000.0), 1.0)
     for jacobian in jacobians:
-        inverse = task_inverse(jacobian, 0.08, 0.05)
+        inverse = task_inverse(jacobian[None], 0.08, 0.05)
         shift, rate, force = RNG.normal(scale=0.01, size=7), RNG.normal(size=7), RNG.normal(size=3)
         x, v = jacobian @ shift, jacobian @ rate
-        a = impedance_acceleration(wanted.inertia, jacobian, inverse, force + wanted.force(-x, -v))
+        total = force + wanted.force(-x, -v)
+        a = impedance_acceleration(wanted.inertia, jacobian[None], inverse.inverse, total[None])[0]
         residual = wanted.inertia * (jacobian @ a) + wanted.damping * v + wanted.stiffness * x - force
         assert np.abs(residual).max() < 1e-9
         own = wanted.inertia * (jacobian @ a) - force
@@ -139,9 +138,10 @@ def test_equation_8_corrected_pulls_back_and_as_printed_would_push_away(jacobian
 
 def test_the_null_space_term_of_equation_8_moves_no_hand(jacobians):
     for jacobian in jacobians:
-        inverse = task_inverse(jacobian, 0.08, 0.05)
-        a = posture_acceleration(inverse, RNG.normal(size=7), RNG.normal(size=7), 100.0, 20.0)
-        np.testing.assert_allclose(jacobian @ a, np.zeros(3), atol=1e-9)
+        inverse = task_inverse(jacobian[None], 0.08, 0.05)
+        errors = RNG.normal(size=(2, 1, 7))
+        a = posture_acceleration(inverse.null, *errors, 100.0, 20.0)
+        np.testing.assert_allclose(jacobian @ a[0], np.zeros(3), atol=1e-9)
 
 
 def test_equations_9_and_10_terminal_speed_decay_time_and_no_return():

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from follower_humanoid.control.hand_task import HandKinematics, limited_return, return_velocity
+from follower_humanoid.control.hand_task import HandKinematics, forces_in_task_axes, return_velocity
 from follower_humanoid.robot.model import RobotModel
 
 
@@ -77,17 +77,41 @@ def test_translation_and_turning_of_the_body_move_no_place(robot: RobotModel) ->
     assert missed == pytest.approx(2 * radius * np.sin(np.radians(36.87) / 2)), "what (18) in print misses"
 
 
+def back(error, rate, stretch, stopped: bool = False) -> np.ndarray:
+    rows = (np.array([values], dtype=float) for values in (error, rate, stretch))
+    stiffness, limit = np.array([100.0, 100.0, 3000.0]), np.array([60.0, 60.0, 200.0])
+    return return_velocity(*rows, 0.8, 0.1, stiffness, limit, np.array([stopped]))[0]
+
+
+REST = (0.0, 0.0, 0.0)
+
+
 def test_return_velocity_leads_back() -> None:
     shift = np.array([0.05, 0.0, -0.01])  # the hand is ahead of and below its place
-    velocity = return_velocity(-shift, np.zeros(3), 0.8, 0.1)
-    np.testing.assert_allclose(velocity, [-0.04, 0, 0.008])
-    moving_away = return_velocity(np.zeros(3), np.array([-1.0, 0, 0]), 0.8, 0.1)
-    np.testing.assert_allclose(moving_away, [-0.1, 0, 0])
+    np.testing.assert_allclose(back(-shift, REST, REST), [-0.04, 0, 0.008])
+    np.testing.assert_allclose(back(REST, (-1.0, 0.0, 0.0), REST), [-0.1, 0, 0], err_msg="moving away")
+    np.testing.assert_array_equal(back(-shift, REST, REST, stopped=True), 0.0)
 
 
 def test_return_stops_at_its_force_limit_and_lets_go_of_it() -> None:
-    limit = np.array([60.0, 60.0, 200.0])
-    velocity = np.array([-0.1, 0.1, 0.1])
-    np.testing.assert_array_equal(
-        limited_return(velocity, np.array([-61.0, -61.0, 150.0]), limit), [0.0, 0.1, 0.1]
-    )
+    # Springs at 61, 61 and 150 N; the second axis returns to where its spring is shorter.
+    found = back((-0.1, 0.1, 0.1), REST, (-0.61, -0.61, 0.05))
+    np.testing.assert_allclose(found, [0.0, 0.08, 0.08])
+
+
+def test_forces_are_turned_into_the_axes_of_the_task(robot: RobotModel) -> None:
+    q, v = random_state(robot, 22)
+    axes = HandKinematics(robot).motion(q, v).yaw_to_world
+    left, right = np.random.default_rng(22).normal(size=(2, 3))
+    np.testing.assert_allclose(forces_in_task_axes(axes, left, right), [axes.T @ left, axes.T @ right])
+
+
+def test_wrench_jacobian_gives_the_power_of_a_wrench_on_the_hand(robot: RobotModel) -> None:
+    q, v = random_state(robot, 23)
+    found = HandKinematics(robot).motion(q, v).wrench_jacobian
+    data = robot.pin_model.createData()
+    for hand, side in enumerate("lr"):
+        frame = robot.frame_id(f"{side}_gripper")
+        full = pin.computeFrameJacobian(robot.pin_model, data, q, frame, pin.LOCAL_WORLD_ALIGNED)
+        arm = (robot.groups.left_arm, robot.groups.right_arm)[hand]
+        np.testing.assert_allclose(found[hand], full[:, 6 + arm], atol=1e-12)

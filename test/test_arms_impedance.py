@@ -42,7 +42,7 @@ def test_equation_8_corrected_obeys_equation_5() -> None:
     force = rng.normal(size=(n, 3)) * 10
     task_displacement, task_rate = (jacobian @ displacement)[..., 0], (jacobian @ rate)[..., 0]
     total = force + impedance.force(-task_displacement, -task_rate)
-    acceleration = impedance_acceleration(impedance.inertia, jacobian, inverse, total)
+    acceleration = impedance_acceleration(impedance.inertia, jacobian, inverse.inverse, total)
     task_acceleration = (jacobian @ acceleration[..., None])[..., 0]
     residual = (
         impedance.inertia * task_acceleration
@@ -56,16 +56,16 @@ def test_equation_8_corrected_obeys_equation_5() -> None:
 def test_equation_8_in_its_own_letters() -> None:
     """J⁺ H⁻¹ J⁺ᵀ (Jᵀ F − Jᵀ D J q̃̇ − Jᵀ K J q̃), written out."""
     rng = np.random.default_rng(6)
-    jacobian = random_jacobians(6)[0]
+    stack = random_jacobians(6)[:1]
+    jacobian = stack[0]
     impedance = HORIZONTAL_AND_VERTICAL
-    inverse = inverse_of(jacobian)
     displacement, rate, force = rng.normal(size=7), rng.normal(size=7), rng.normal(size=3)
     h, d, k = (np.diag(m) for m in (impedance.inertia, impedance.damping, impedance.stiffness))
     pinv = np.linalg.pinv(jacobian)
     joint_forces = jacobian.T @ (force - d @ jacobian @ rate - k @ jacobian @ displacement)
     literal = pinv @ np.linalg.inv(h) @ pinv.T @ joint_forces
     total = force + impedance.force(-jacobian @ displacement, -jacobian @ rate)
-    ours = impedance_acceleration(impedance.inertia, jacobian, inverse, total)
+    ours = impedance_acceleration(impedance.inertia, stack, inverse_of(stack).inverse, total[None])[0]
     np.testing.assert_allclose(ours, literal, rtol=1e-9, atol=1e-9)
 
 
@@ -77,7 +77,7 @@ def test_sign_of_every_term(axis: int) -> None:
 
     def hand(force: np.ndarray) -> np.ndarray:
         joints = impedance_acceleration(
-            impedance.inertia, jacobian, inverse, np.broadcast_to(force, (len(jacobian), 3))
+            impedance.inertia, jacobian, inverse.inverse, np.tile(force, (len(jacobian), 1))
         )
         return (jacobian @ joints[..., None])[:, axis, 0]
 
@@ -113,41 +113,42 @@ def test_posture_term_moves_no_hand_and_brakes_self_motion() -> None:
     rng, jacobian = np.random.default_rng(9), random_jacobians(9)
     inverse = inverse_of(jacobian)
     velocity_error, posture_error = rng.normal(size=(2, len(jacobian), 7))
-    acceleration = posture_acceleration(inverse, velocity_error, posture_error, 100.0, 20.0)
+    acceleration = posture_acceleration(inverse.null, velocity_error, posture_error, 100.0, 20.0)
     np.testing.assert_allclose((jacobian @ acceleration[..., None])[..., 0], 0, atol=1e-10)
-    braking = posture_acceleration(inverse, velocity_error, np.zeros_like(posture_error), 100.0, 20.0)
+    braking = posture_acceleration(inverse.null, velocity_error, np.zeros_like(posture_error), 100.0, 20.0)
     velocity = -velocity_error  # the reference stands still
     assert np.all((braking * velocity).sum(axis=-1) <= 1e-12), "takes energy out of the self-motion"
 
 
 def test_null_space_term_bounds_the_self_motion_after_a_push() -> None:
     """Without it a push leaves the self-motion running; with it the velocity dies and posture returns."""
-    jacobian = random_jacobians(10)[0]
-    inverse = inverse_of(jacobian)
-    push = inverse.null @ np.array([1.0, -0.5, 0.8, 0.0, 0.4, 0.2, -0.6])
+    null = inverse_of(random_jacobians(10)[:1]).null
+    push = null[0] @ np.array([1.0, -0.5, 0.8, 0.0, 0.4, 0.2, -0.6])
     for stiffness, damping, bounded in ((100.0, 20.0, True), (0.0, 0.0, False)):
-        position, velocity = np.zeros(7), push.copy()
+        position, velocity = np.zeros((1, 7)), push[None]
         for _ in range(2000):
-            velocity = velocity + 0.001 * posture_acceleration(
-                inverse, -velocity, -position, stiffness, damping
-            )
+            velocity = velocity + 0.001 * posture_acceleration(null, -velocity, -position, stiffness, damping)
             position = position + 0.001 * velocity
         assert bool(np.abs(velocity).max() < 1e-4) is bounded
         assert bool(np.abs(position).max() < 1e-4) is bounded
 
 
 def test_range_force_is_a_wall_around_the_place() -> None:
-    zero = np.zeros(3)
-    np.testing.assert_array_equal(range_force(np.array([0.1, 0, 0]), zero, 0.12, 2000.0, 3.0), 0)
-    np.testing.assert_allclose(range_force(np.array([-0.13, 0, 0]), zero, 0.12, 2000.0, 3.0), [-20, 0, 0])
-    leaving = range_force(np.array([0, 0.13, 0]), np.array([0, 1.0, 0]), 0.12, 2000.0, 3.0)
-    returning = range_force(np.array([0, 0.13, 0]), np.array([0, -1.0, 0]), 0.12, 2000.0, 3.0)
+    def wall(error: list[float], rate: list[float]) -> np.ndarray:
+        return range_force(np.array([error]), np.array([rate]), 0.12, 2000.0, 3.0)[0]
+
+    still = [0.0, 0.0, 0.0]
+    np.testing.assert_array_equal(wall(still, still), 0)
+    np.testing.assert_array_equal(wall([0.1, 0.0, 0.0], still), 0)
+    np.testing.assert_allclose(wall([-0.13, 0.0, 0.0], still), [-20, 0, 0])
+    leaving = wall([0.0, 0.13, 0.0], [0.0, 1.0, 0.0])
+    returning = wall([0.0, 0.13, 0.0], [0.0, -1.0, 0.0])
     assert leaving[1] == pytest.approx(20 + 2 * np.sqrt(6000.0))
     assert returning[1] == pytest.approx(20), "no pull on the way back"
 
 
 def test_stop_avoidance_pushes_inwards_and_brakes_outward_motion_only() -> None:
-    lower, upper = np.full(4, -1.0), np.full(4, 1.0)
-    position, velocity = np.array([0.0, 1.1, -1.1, 1.1]), np.array([5.0, 1.0, -1.0, -1.0])
+    lower, upper = np.full((1, 4), -1.0), np.full((1, 4), 1.0)
+    position, velocity = np.array([[0.0, 1.1, -1.1, 1.1]]), np.array([[5.0, 1.0, -1.0, -1.0]])
     acceleration = stop_avoidance(position, velocity, lower, upper, 900.0, 40.0)
-    np.testing.assert_allclose(acceleration, [0, -90 - 40, 90 + 40, -90])
+    np.testing.assert_allclose(acceleration, [[0, -90 - 40, 90 + 40, -90]])

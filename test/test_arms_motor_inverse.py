@@ -27,11 +27,12 @@ def test_output_side_constants_by_hand(robot: RobotModel) -> None:
 
 
 def test_voltage_makes_the_torque_of_equations_12_and_13(robot: RobotModel) -> None:
-    motor = MotorModel(viscous=2e-5)
+    motor = MotorModel(viscous=2e-5, voltage_limit=500.0)
     inverse = MotorInverse(motor, robot)
     rng = np.random.default_rng(1)
     torque, velocity, acceleration = rng.normal(size=(3, 45)) * [[20.0], [2.0], [10.0]]
-    voltage = inverse.voltage(torque + inverse.rotor_inertia * acceleration, velocity)
+    voltage, saturated = inverse.voltage(torque + inverse.rotor_inertia * acceleration, velocity)
+    assert not saturated.any()
     gear = np.array([20.0 if "toe" in name else 50.0 for name in robot.joint_names])
     current = (voltage - motor.back_emf * gear * velocity) / motor.resistance
     rotor_torque = (
@@ -43,19 +44,20 @@ def test_voltage_makes_the_torque_of_equations_12_and_13(robot: RobotModel) -> N
 
 
 def test_motor_torque_inverts_voltage_on_a_subset(robot: RobotModel) -> None:
-    inverse = MotorInverse(MotorModel(), robot, robot.groups.legs)
+    inverse = MotorInverse(MotorModel(voltage_limit=500.0), robot, robot.groups.legs)
     rng = np.random.default_rng(2)
     torque, velocity = rng.normal(size=(2, len(robot.groups.legs)))
     np.testing.assert_allclose(
-        inverse.motor_torque(inverse.voltage(torque, velocity), velocity), torque, atol=1e-12
+        inverse.motor_torque(inverse.voltage(torque, velocity)[0], velocity), torque, atol=1e-12
     )
     assert inverse.torque_per_volt[6] < inverse.torque_per_volt[5], "toe gear follows the subset"
 
 
-def test_clipping_reports_which_joints_saturate(robot: RobotModel) -> None:
+def test_the_limit_cuts_and_says_which_joints_saturate(robot: RobotModel) -> None:
     inverse = MotorInverse(MotorModel(voltage_limit=10.0), robot)
-    voltage = np.zeros(45)
-    voltage[[3, 7]] = 12.0, -30.0
-    limited, saturated = inverse.clipped(voltage)
-    assert limited[3] == 10.0 and limited[7] == -10.0
-    assert list(np.flatnonzero(saturated)) == [3, 7]
+    wanted = np.zeros(45)
+    wanted[[3, 5, 7]] = 12.0, 10.0, -30.0
+    limited, saturated = inverse.voltage(inverse.motor_torque(wanted, np.zeros(45)), np.zeros(45))
+    np.testing.assert_allclose(limited[[3, 5, 7]], [10.0, 10.0, -10.0])
+    assert set(np.flatnonzero(saturated)) - {5} == {3, 7}
+    assert not limited[[0, 1, 2]].any()

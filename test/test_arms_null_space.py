@@ -38,7 +38,7 @@ def test_bounded_at_and_near_singularities() -> None:
     right, _ = np.linalg.qr(rng.normal(size=(7, 3)))
     for smallest in (0.0, 1e-12, 1e-6, 1e-3, 0.02, 0.079):
         jacobian = left @ np.diag([0.5, 0.3, smallest]) @ right.T
-        inverse, null = task_inverse(jacobian, THRESHOLD, DAMPING)
+        inverse, null = (stack[0] for stack in task_inverse(jacobian[None], THRESHOLD, DAMPING))
         assert np.linalg.norm(inverse, 2) <= 1 / THRESHOLD + 1 / (2 * DAMPING)
         assert np.linalg.eigvalsh(null).min() > -1e-12
         assert np.linalg.eigvalsh(null).max() < 1 + 1e-12
@@ -47,8 +47,8 @@ def test_bounded_at_and_near_singularities() -> None:
 def test_a_lost_direction_passes_to_the_null_space() -> None:
     jacobian = np.zeros((3, 7))
     jacobian[0, 0] = jacobian[1, 1] = 0.4
-    _, null = task_inverse(jacobian, THRESHOLD, DAMPING)
-    np.testing.assert_allclose(np.diag(null), [0, 0, 1, 1, 1, 1, 1], atol=1e-12)
+    _, null = task_inverse(jacobian[None], THRESHOLD, DAMPING)
+    np.testing.assert_allclose(np.diag(null[0]), [0, 0, 1, 1, 1, 1, 1], atol=1e-12)
 
 
 @pytest.mark.parametrize("edge", [THRESHOLD])
@@ -57,7 +57,7 @@ def test_damping_sets_in_continuously(edge: float) -> None:
         jacobian = np.zeros((3, 7))
         jacobian[0, 0] = jacobian[1, 1] = 0.4
         jacobian[2, 2] = sigma
-        return float(task_inverse(jacobian, THRESHOLD, DAMPING).inverse[2, 2])
+        return float(task_inverse(jacobian[None], THRESHOLD, DAMPING).inverse[0, 2, 2])
 
     assert gain(edge + 1e-9) == pytest.approx(gain(edge - 1e-9), rel=1e-5)
     gains = [gain(sigma) for sigma in np.linspace(0, 2 * edge, 200)]

@@ -9,6 +9,7 @@ from gait_bench import robot, standing_configuration
 
 from follower_humanoid.control.floating_base import motor_torque
 from follower_humanoid.core.samples import Array
+from follower_humanoid.errors import PhysicsError
 from follower_humanoid.robot.model import ACTUATED, BASE_DOF, GRAVITY
 
 ROTOR = np.linspace(0.02, 0.15, ACTUATED)
@@ -95,3 +96,20 @@ def test_the_right_ground_force_holds_the_robot_still() -> None:
     torque, base = motor_torque(mass, bias, external, np.zeros(ACTUATED), ROTOR)
     np.testing.assert_allclose(base, np.zeros(6), atol=1e-9)
     np.testing.assert_allclose(torque, (bias - external)[BASE_DOF:], atol=1e-9)
+
+
+def test_only_the_upper_triangle_of_the_mass_matrix_is_read() -> None:
+    rng = np.random.default_rng(11)
+    q, v = random_state(rng)
+    mass, bias = dynamics(q, v)
+    external, a = wrenches(q, rng), rng.normal(0, 20, ACTUATED)
+    found = motor_torque(np.asfortranarray(np.triu(mass)), bias, external, a, ROTOR)
+    for one, other in zip(found, motor_torque(mass, bias, external, a, ROTOR), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+def test_a_mass_matrix_of_nonsense_is_refused() -> None:
+    nothing = np.zeros(BASE_DOF + ACTUATED)
+    for mass in (np.zeros((51, 51)), np.full((51, 51), np.nan)):
+        with pytest.raises(PhysicsError, match="not positive definite"):
+            motor_torque(mass, nothing, nothing, nothing[BASE_DOF:], ROTOR)

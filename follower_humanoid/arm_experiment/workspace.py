@@ -49,17 +49,19 @@ class Reach:
         return all(self._reach(begin + (goal - begin) * n / strides) for n in range(1, strides + 1))
 
     def _look(self) -> tuple[Array, Array]:
+        """Place of the hand, shape (3,), and its Jacobian as a stack of one, shape (1, 3, 7)."""
         motion = self._kinematics.motion(np.concatenate((self._base, self._position)), self._still)
-        return motion.place[0], motion.jacobian[0]
+        return motion.place[0], motion.jacobian[:1]
 
     def _reach(self, goal: Array) -> bool:
         for _ in range(10):
             place, jacobian = self._look()
-            if float(np.linalg.svd(jacobian, compute_uv=False)[-1]) < _STRAIGHT:
+            if float(np.linalg.svd(jacobian[0], compute_uv=False)[-1]) < _STRAIGHT:
                 return False
             joints = self._position[self._arm]
             aside = limit_avoidance(joints, self._lower, self._upper, _AVOIDANCE)
-            turn = joint_velocity(task_inverse(jacobian, 1e-3, 1e-3), goal - place, aside)
+            inverse = task_inverse(jacobian, 1e-3, 1e-3)
+            turn = joint_velocity(inverse, (goal - place)[None], aside[None])[0]
             if float(np.linalg.norm(goal - place)) < _CLOSE:
                 return bool(((joints > self._lower) & (joints < self._upper)).all())
             self._position[self._arm] = joints + np.clip(turn, -_LARGEST_TURN, _LARGEST_TURN)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from follower_humanoid.control.hand_reference import Mask
+from follower_humanoid.control.hand_task import Mask
 from follower_humanoid.core.samples import Array
 
 IMPEDANCE, COMPENSATION, AUTO = "impedance", "gravity_compensation", "auto"

@@ -30,16 +30,10 @@ from follower_humanoid.control.hand_reference import GlideLimits, HandReference
 from follower_humanoid.control.hand_task import (
     HandKinematics,
     HandMotion,
-    limited_return,
+    forces_in_task_axes,
     return_velocity,
 )
-from follower_humanoid.control.impedance import (
-    Impedance,
-    impedance_acceleration,
-    posture_acceleration,
-    range_force,
-    stop_avoidance,
-)
+from follower_humanoid.control.impedance import Impedance, hand_force, joint_acceleration, joints_within
 from follower_humanoid.control.null_space import (
     TaskInverse,
     joint_velocity,
@@ -62,6 +56,8 @@ __all__ = ["ArmController", "ArmControllerConfig", "ArmControllerInputs", "ArmCo
 
 # How a glide comes to its speed: as long as the switch before it takes to fade.
 _GLIDE_RISE = 0.5
+# What a hand feels whose wrench has not been measured yet: nothing to yield to.
+_NO_WRENCH = Wrench(np.zeros(3), np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -130,6 +126,7 @@ class ArmController:
 
     def step(self, inputs: ArmControllerInputs, time: float) -> ArmControllerOutputs:
         """The command of this tick."""
+        del time
         q, v = self._robot.state(inputs.odometry, inputs.joints)
         hands = self._kinematics.motion(q, v)
         position = inputs.joints.position[self._arms].reshape(2, 7)
@@ -137,9 +134,13 @@ class ArmController:
         first = self._reference is None
         reference = self._reference = self._reference or self._first_reference(hands, position)
         inverse = task_inverse(hands.jacobian, self._config.singular_threshold, self._config.singular_damping)
-        wrenches = (inputs.left_hand, inputs.right_hand)
-        felt = _felt_forces(hands, wrenches)
-        self._take_load(reference, felt, wrenches)
+        wrenches = (inputs.left_hand or _NO_WRENCH, inputs.right_hand or _NO_WRENCH)
+        felt = forces_in_task_axes(hands.yaw_to_world, wrenches[0].force, wrenches[1].force)
+        if not reference.all_loaded:
+            reference.take_load(
+                felt, (inputs.left_hand is not None, inputs.right_hand is not None),
+                self._return_force, self._impedance.stiffness,
+            )  # fmt: skip
         self._choose_modes(felt)
         switch = self._switch
         reference.receive((inputs.left_target, inputs.right_target))
@@ -147,27 +148,27 @@ class ArmController:
         if switch.anybody:
             reference.follow(switch.yielding, hands, position)
 
-        back = self._return_velocity(reference, hands)
-        desired_velocity = self._desired_velocity(back, reference, hands, inverse, position)
+        error, error_rate = reference.place - hands.place, reference.rate - hands.place_rate
+        stretch, posture_error = reference.virtual - hands.place, reference.posture - position
+        back = self._return_velocity(reference, error, error_rate, stretch)
+        desired_velocity = self._desired_velocity(back - hands.carried, inverse, position, posture_error)
         acceleration = self._desired_acceleration(desired_velocity, reference.velocity)
-        force = self._hand_force(back, reference, hands, felt)
-        acceleration = acceleration + impedance_acceleration(
-            self._impedance.inertia, hands.jacobian, inverse, force
-        )
-        acceleration += self._joint_acceleration(
-            inverse, position, velocity, desired_velocity, reference.posture
+        force = self._hand_force(stretch, back - hands.place_rate, error, error_rate, felt)
+        if switch.anybody:
+            force = self._leading_force(force, hands, felt)
+        acceleration = acceleration + self._joint_acceleration(
+            hands, inverse, force, position, velocity, desired_velocity - velocity, posture_error
         )
         acceleration = self._blend.step(acceleration, switch.changed if switch.switched else None)
         torque = self._actuation.torque(q, v, inputs.imu, acceleration, hands, wrenches)
         voltage, saturated = self._actuation.voltage(torque, velocity.ravel(), acceleration.ravel())
 
-        stretch = inverse.inverse @ (reference.virtual - hands.place)[..., None]
-        held = np.clip(position + stretch[..., 0], self._lower, self._upper)
+        held = joints_within(position, inverse.inverse, stretch, self._lower, self._upper)
         reference.virtual = reference.virtual + self._period * (back - reference.rate)
         if self._config.limit_avoidance > 0.0:
             reference.move_posture(desired_velocity)
         reference.velocity = desired_velocity
-        reference.saturated[:] = saturated.reshape(2, 7).any(axis=1)
+        saturated.reshape(2, 7).any(axis=1, out=reference.saturated)
         return ArmControllerOutputs(
             Joints(held.ravel(), desired_velocity.ravel(), voltage),
             self._mode_report() if first or switch.switched else None,
@@ -189,42 +190,33 @@ class ArmController:
         names = tuple(f"{side.value}_hand/{word}" for side, word in zip(SIDES, words, strict=True))
         return PrimitiveStates(names, (1.0, 1.0))
 
-    def _take_load(
-        self, reference: HandReference, felt: Array, wrenches: tuple[Wrench | None, Wrench | None]
-    ) -> None:
-        """Lets the springs carry the first force measured: the robot starts with the object in hand."""
-        for hand, wrench in enumerate(wrenches):
-            if wrench is not None and not reference.loaded[hand]:
-                carried = np.clip(felt[hand], -self._return_force, self._return_force)
-                reference.virtual[hand] -= carried / self._impedance.stiffness
-                reference.loaded[hand] = True
-
-    def _return_velocity(self, reference: HandReference, hands: HandMotion) -> Array:
+    def _return_velocity(
+        self, reference: HandReference, error: Array, error_rate: Array, stretch: Array
+    ) -> Array:
         """v_ref of eqs. (17), (18) with ẋ_d fed forward, shape (2, 3) [m/s]; never winds up."""
-        back = return_velocity(
-            reference.place - hands.place, reference.rate - hands.place_rate,
-            self._config.return_proportional, self._config.return_differential,
-        )  # fmt: skip
-        spring = self._impedance.stiffness * (reference.virtual - hands.place)
-        back = limited_return(back, spring, self._return_force)
-        back[reference.saturated] = 0.0
+        stopped = reference.saturated
         if self._switch.anybody:
-            back[self._switch.yielding] = 0.0
-        total: Array = reference.rate + back
+            stopped = stopped.copy()
+            stopped[self._switch.yielding] = True
+        total: Array = reference.rate + return_velocity(
+            error, error_rate, stretch,
+            self._config.return_proportional, self._config.return_differential,
+            self._impedance.stiffness, self._return_force, stopped,
+        )  # fmt: skip
         return total
 
     def _desired_velocity(
-        self, back: Array, reference: HandReference, hands: HandMotion, inverse: TaskInverse, position: Array
+        self, task_velocity: Array, inverse: TaskInverse, position: Array, posture_error: Array
     ) -> Array:
         """q̇_d of eq. (6), shape (2, 7): back to the place, against what the body does, posture aside."""
         config = self._config
         if config.limit_avoidance > 0.0:
             posture = limit_avoidance(position, self._lower, self._upper, config.limit_avoidance)
         else:
-            posture = config.posture_return * (reference.posture - position)
+            posture = config.posture_return * posture_error
         if self._switch.anybody:
             posture = np.where(self._switch.yielding[:, None], 0.0, posture)
-        return joint_velocity(inverse, back - hands.carried, posture)
+        return joint_velocity(inverse, task_velocity, posture)
 
     def _desired_acceleration(self, desired_velocity: Array, before: Array | None) -> Array:
         """q̈_d, the low-passed derivative of q̇_d; a switch of modes is no motion."""
@@ -238,38 +230,30 @@ class ArmController:
                 )
         return self._reference_acceleration.step(change / self._period)
 
-    def _hand_force(self, back: Array, reference: HandReference, hands: HandMotion, felt: Array) -> Array:
-        """Everything that shall move the hands' masses H_m, task axes, shape (2, 3) [N]."""
-        force = self._impedance.force(reference.virtual - hands.place, back - hands.place_rate)
-        force += range_force(
-            reference.place - hands.place, reference.rate - hands.place_rate,
-            self._config.reach, self._config.reach_stiffness, float(self._impedance.inertia[0]),
+    def _hand_force(
+        self, stretch: Array, stretch_rate: Array, error: Array, error_rate: Array, felt: Array
+    ) -> Array:
+        """What moves the masses H_m of hands that keep a place, task axes, shape (2, 3) [N]."""
+        wanted = self._impedance
+        return hand_force(
+            wanted.inertia, wanted.damping, wanted.stiffness, stretch, stretch_rate,
+            error, error_rate, self._config.reach, self._config.reach_stiffness, felt,
         )  # fmt: skip
-        force += felt
-        if self._switch.anybody:
-            led = self._compensation.force(np.zeros((2, 3)), -hands.place_rate)
-            led += leading_force(felt, self._config.payload)
-            force = np.where(self._switch.yielding[:, None], led, force)
-        return force
+
+    def _leading_force(self, force: Array, hands: HandMotion, felt: Array) -> Array:
+        """The same for hands that are led, which have no springs; others keep `force`."""
+        led = self._compensation.force(np.zeros((2, 3)), -hands.place_rate)
+        led += leading_force(felt, self._config.payload)
+        return np.where(self._switch.yielding[:, None], led, force)
 
     def _joint_acceleration(
-        self, inverse: TaskInverse, position: Array, velocity: Array, desired_velocity: Array, posture: Array
-    ) -> Array:
-        """Null-space term of corrected eq. (8), and distance from the stops, shape (2, 7) [rad/s²]."""
+        self, hands: HandMotion, inverse: TaskInverse, force: Array,
+        position: Array, velocity: Array, velocity_error: Array, posture_error: Array,
+    ) -> Array:  # fmt: skip
+        """Corrected eq. (8) with its null-space term, and distance from the stops, shape (2, 7) [rad/s²]."""
         config = self._config
-        still = posture_acceleration(
-            inverse, desired_velocity - velocity, posture - position,
-            config.posture_stiffness, config.posture_damping,
+        return joint_acceleration(
+            self._impedance.inertia, hands.jacobian, inverse.inverse, inverse.null, force,
+            velocity_error, posture_error, config.posture_stiffness, config.posture_damping,
+            position, velocity, self._lower, self._upper, config.stop_stiffness, config.stop_damping,
         )  # fmt: skip
-        return still + stop_avoidance(
-            position, velocity, self._lower, self._upper, config.stop_stiffness, config.stop_damping
-        )
-
-
-def _felt_forces(hands: HandMotion, wrenches: tuple[Wrench | None, Wrench | None]) -> Array:
-    """Measured force on each hand in task axes, shape (2, 3) [N]; zero where none is measured yet."""
-    felt = np.zeros((2, 3))
-    for hand, wrench in enumerate(wrenches):
-        if wrench is not None:  # not measured yet: nothing to yield to
-            felt[hand] = wrench.force @ hands.yaw_to_world
-    return felt

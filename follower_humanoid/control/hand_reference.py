@@ -12,12 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from follower_humanoid.control.hand_task import HandMotion
+from follower_humanoid.control.hand_task import HandMotion, Mask
 from follower_humanoid.core.samples import Array, Odometry
-
-Mask = NDArray[np.bool_]
 
 # A target that moves further than its velocity says by more than this has jumped [m].
 _JUMP = 1e-3
@@ -51,7 +48,7 @@ class HandReference:
         posture: q_0, shape (2, 7) [rad].
         velocity: q̇_d of the last tick, shape (2, 7) [rad/s]; None before the first.
         saturated: Which arm has a motor at its voltage limit, shape (2,).
-        loaded: Whose first wrench has come, shape (2,).
+        all_loaded: The first wrenches of both hands have come.
     """
 
     def __init__(
@@ -69,13 +66,29 @@ class HandReference:
         self.place, self.posture, self.virtual = place, posture, place.copy()
         self.rate = np.zeros((2, 3))
         self.velocity: Array | None = None
-        self.saturated, self.loaded = np.zeros(2, dtype=bool), np.zeros(2, dtype=bool)
+        self.saturated: Mask = np.zeros(2, dtype=bool)
+        self._loaded, self.all_loaded = [False, False], False
         self._goal, self._goal_rate = place, np.zeros((2, 3))
         self._first_posture = posture
         self._offset, self._posture_offset = np.zeros((2, 3)), np.zeros((2, 7))
         self._limits, self._period = limits, period
         self._gliding = np.zeros(2)  # how long each hand has been gliding [s]
         self._free = True  # all offsets are zero
+
+    def take_load(self, felt: Array, measured: tuple[bool, bool], limit: Array, stiffness: Array) -> None:
+        """Lets the springs carry the first force measured: the robot starts with the object in hand.
+
+        Args:
+            felt: Force on each hand, shape (2, 3) [N].
+            measured: Whose force has been measured.
+            limit: Of what the springs take over, shape (3,) [N].
+            stiffness: Of the springs, shape (3,) [N/m].
+        """
+        for hand, known in enumerate(measured):
+            if known and not self._loaded[hand]:
+                self.virtual[hand] -= np.clip(felt[hand], -limit, limit) / stiffness
+                self._loaded[hand] = True
+        self.all_loaded = all(self._loaded)
 
     def receive(self, targets: tuple[Odometry | None, Odometry | None]) -> None:
         """Takes the targets of this tick; None: the goal stays."""

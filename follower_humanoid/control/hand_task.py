@@ -8,18 +8,23 @@ yaw and ẋ_d fed forward: world translation and turns of the pelvis drop out.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import SIDES, Array
-from follower_humanoid.robot.model import BASE_DOF, RobotModel
+from follower_humanoid.robot.model import Indices, RobotModel
+from follower_humanoid.robot.placed_frames import PlacedFrames
+
+_ARM_JOINTS = 7
+_BASE_JOINT = 1  # Pinocchio's joint 0 is the universe
+Mask = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class HandMotion:
+class HandMotion(NamedTuple):
     """Both hands at one instant, left first. Task axes: pelvis-yaw.
 
     Attributes:
@@ -48,79 +53,152 @@ class HandKinematics:
     def __init__(self, robot: RobotModel) -> None:
         self._model = robot.pin_model
         self._data = self._model.createData()
-        self._grippers = [robot.frame_id(f"{side.prefix}_gripper") for side in SIDES]
-        self._columns = [_consecutive(BASE_DOF + robot.groups.arm(side)) for side in SIDES]
+        self._grippers = PlacedFrames(robot, self._data, [f"{side.prefix}_gripper" for side in SIDES])
+        columns = [np.flatnonzero(moved) for moved in self._grippers.moved_by]
+        self._columns: Indices = np.array(columns)  # base, trunk, own arm
 
     def motion(self, q: Array, v: Array) -> HandMotion:
         """Both hands at state (q, v), shapes (52,), (51,)."""
-        model, data = self._model, self._data
-        pin.computeJointJacobians(model, data, q)
-        base_to_world = data.oMi[1].rotation.copy()
-        yaw_to_world, yaw_rate = _yaw(base_to_world, base_to_world @ v[3:6])
-        world_to_yaw = yaw_to_world.T
-        base_velocity = base_to_world @ v[:3]
-        place, rate, carried, jacobian, wrench_jacobian = (
-            np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3, 7)), np.empty((2, 6, 7)),
-        )  # fmt: skip
-        for hand, (frame, columns) in enumerate(zip(self._grippers, self._columns, strict=True)):
-            position = pin.updateFramePlacement(model, data, frame).translation
-            full = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-            wrench_jacobian[hand] = full[:, columns]
-            jacobian[hand] = world_to_yaw @ full[:3, columns]
-            place[hand] = world_to_yaw @ (position - q[:3])
-            rate[hand] = world_to_yaw @ (full[:3] @ v - base_velocity)
-            x, y, _ = place[hand].tolist()
-            rate[hand, 0] += yaw_rate * y
-            rate[hand, 1] -= yaw_rate * x
-            carried[hand] = rate[hand] - jacobian[hand] @ v[columns]
-        return HandMotion(place, rate, carried, jacobian, wrench_jacobian, yaw_to_world, base_to_world)
+        pin.computeJointJacobians(self._model, self._data, q)
+        grippers = self._grippers
+        return _hand_motion(
+            grippers.poses, grippers.joints, grippers.offsets, grippers.world_jacobian, self._columns, q, v
+        )
 
 
-def _consecutive(indices: NDArray[np.intp]) -> slice:
-    """The joints of a limb as a slice, which reads an array without copying it."""
-    return slice(int(indices[0]), int(indices[-1]) + 1)
-
-
-def _yaw(base_to_world: Array, angular_velocity: Array) -> tuple[Array, float]:
+@kernel("(float64[:,::1], float64[::1])")
+def _yaw(base_axes: Array, v: Array) -> tuple[Array, float]:
     """Rotation about z by the base's yaw, and the yaw's rate [rad/s].
 
-    Yaw is the direction of the base's x axis on the ground, atan2(c_y, c_x); its rate follows from
+    Yaw is the direction c of the base's x axis on the ground, atan2(c_y, c_x); its rate follows from
     ċ = ω × c, exact at any tilt below 90°.
     """
-    cx, cy, cz = base_to_world[:, 0].tolist()
-    wx, wy, wz = angular_velocity.tolist()
+    w = np.zeros(3)
+    for axis in range(3):
+        for row in range(3):
+            w[row] += base_axes[axis, row] * v[3 + axis]
+    cx, cy, cz = base_axes[0]
     level = math.hypot(cx, cy)
-    c, s = cx / level, cy / level
-    rate = (cx * (wz * cx - wx * cz) - cy * (wy * cz - wz * cy)) / level**2
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), rate
+    rotation = np.zeros((3, 3))
+    rotation[0, 0] = rotation[1, 1] = cx / level
+    rotation[1, 0], rotation[0, 1] = cy / level, -cy / level
+    rotation[2, 2] = 1.0
+    rate = (cx * (w[2] * cx - w[0] * cz) - cy * (w[1] * cz - w[2] * cy)) / level**2
+    return rotation, rate
 
 
-def return_velocity(error: Array, error_rate: Array, proportional: float, differential: float) -> Array:
+@kernel("void(float64[::1,:], intp, float64[::1], float64[::1])")
+def _twist_at(world_jacobian: Array, column: int, position: Array, twist: Array) -> None:
+    """A column of the world Jacobian is a twist (u, w) at the origin of world: (u + w × p, w) at p."""
+    for row in range(6):
+        twist[row] = world_jacobian[row, column]
+    twist[0] += twist[4] * position[2] - twist[5] * position[1]
+    twist[1] += twist[5] * position[0] - twist[3] * position[2]
+    twist[2] += twist[3] * position[1] - twist[4] * position[0]
+
+
+@kernel("void(float64[:,::1], float64[::1], float64[::1])")
+def _turn_back(rotation: Array, vector: Array, result: Array) -> None:
+    """`Rᵀ x`."""
+    for row in range(3):
+        result[row] = 0.0
+        for column in range(3):
+            result[row] += rotation[column, row] * vector[column]
+
+
+@kernel("void(float64[:,::1], float64[:,::1], float64[:,::1])")
+def _turn_jacobian_back(rotation: Array, linear: Array, result: Array) -> None:
+    """`Rᵀ J`; of `linear` the first three rows."""
+    for axis in range(3):
+        for joint in range(result.shape[1]):
+            result[axis, joint] = 0.0
+            for row in range(3):
+                result[axis, joint] += rotation[row, axis] * linear[row, joint]
+
+
+@kernel(
+    "(float64[:,:,::1], intp[::1], float64[:,::1], float64[::1,:], intp[:,::1], float64[::1], float64[::1])"
+)
+def _hand_motion(
+    poses: Array, joints: Indices, offsets: Array, world_jacobian: Array, columns: Indices, q: Array, v: Array
+) -> HandMotion:
+    """`HandKinematics.motion` from Pinocchio's poses and Jacobian; the last `columns` are the own arm's."""
+    base_axes = poses[_BASE_JOINT, :3]
+    yaw_to_world, yaw_rate = _yaw(base_axes, v)
+    place, place_rate, carried = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
+    jacobian, wrench_jacobian = np.empty((2, 3, _ARM_JOINTS)), np.empty((2, 6, _ARM_JOINTS))
+    twist, first = np.empty(6), columns.shape[1] - _ARM_JOINTS
+    for hand in range(2):
+        pose = poses[joints[hand]]
+        position = pose[3].copy()
+        for axis in range(3):
+            position += pose[axis] * offsets[hand, axis]
+        by_body, by_arm = np.zeros(3), np.zeros(3)
+        for n in range(3, columns.shape[1]):  # the base's own translation moves no place
+            _twist_at(world_jacobian, columns[hand, n], position, twist)
+            if n < first:
+                by_body += twist[:3] * v[columns[hand, n]]
+            else:
+                by_arm += twist[:3] * v[columns[hand, n]]
+                wrench_jacobian[hand, :, n - first] = twist
+        _turn_back(yaw_to_world, position - q[:3], place[hand])
+        _turn_back(yaw_to_world, by_body, carried[hand])
+        _turn_back(yaw_to_world, by_arm, place_rate[hand])
+        _turn_jacobian_back(yaw_to_world, wrench_jacobian[hand], jacobian[hand])
+        # The task axes turn with the pelvis.
+        carried[hand, 0] += yaw_rate * place[hand, 1]
+        carried[hand, 1] -= yaw_rate * place[hand, 0]
+        place_rate[hand] += carried[hand]
+    base_to_world = base_axes.T.copy()
+    return HandMotion(place, place_rate, carried, jacobian, wrench_jacobian, yaw_to_world, base_to_world)
+
+
+@kernel(
+    "(float64[:,::1], float64[:,::1], float64[:,::1], float64, float64, float64[::1], float64[::1],"
+    " boolean[::1])"
+)
+def return_velocity(
+    error: Array, error_rate: Array, stretch: Array, proportional: float, differential: float,
+    stiffness: Array, limit: Array, stopped: Mask,
+) -> Array:  # fmt: skip
     """Hand velocity that leads back to the place: `v_ref = K_P x_err + K_D ẋ_err`.
 
     The point that the impedance's springs pull to moves with it, which makes it integral action:
     under a constant force the hand yields, then returns with the time constant (1 + K_D)/K_P.
+    An axis rests where it would stretch its spring beyond a force limit: a hand that somebody holds
+    away from its place would otherwise pull ever harder.
 
     Args:
-        error: x_err = x_d − x, shape (..., 3) [m].
-        error_rate: Its rate, shape (..., 3) [m/s].
+        error: x_err = x_d − x, shape (n, 3) [m].
+        error_rate: Its rate, shape (n, 3) [m/s].
+        stretch: Of the springs, shape (n, 3) [m].
         proportional: K_P [1/s].
         differential: K_D.
+        stiffness: Of the springs, shape (3,) [N/m].
+        limit: Of their force, shape (3,) [N].
+        stopped: Which hands do not return now, shape (n,).
+
+    Returns:
+        v_ref, shape (n, 3) [m/s].
 
     Reference: Savić et al. 2016, eqs. (17), (18).
     """
-    return proportional * error + differential * error_rate
+    velocity = np.zeros_like(error)
+    for hand in range(error.shape[0]):
+        for axis in range(0 if stopped[hand] else 3):
+            back = proportional * error[hand, axis] + differential * error_rate[hand, axis]
+            force = stiffness[axis] * stretch[hand, axis]
+            if abs(force) < limit[axis] or back * force <= 0.0:
+                velocity[hand, axis] = back
+    return velocity
 
 
-def limited_return(velocity: Array, virtual_force: Array, limit: Array) -> Array:
-    """Stops an axis of v_ref that would stretch the virtual spring beyond its force limit.
-
-    A hand that somebody holds away from its place would otherwise pull ever harder.
-
-    Args:
-        velocity: v_ref, shape (..., 3) [m/s].
-        virtual_force: Force of the impedance's springs, shape (..., 3) [N].
-        limit: Shape (3,) [N].
-    """
-    winding = (np.abs(virtual_force) >= limit) & (velocity * virtual_force > 0.0)
-    return np.where(winding, 0.0, velocity)
+@kernel("(float64[:,::1], float64[:], float64[:])")
+def forces_in_task_axes(task_to_world: Array, left: Array, right: Array) -> Array:
+    """Forces on both hands, in world shape (3,) each, turned into the task's axes, shape (2, 3) [N]."""
+    turned = np.zeros((2, 3))
+    for axis in range(3):
+        for row in range(3):
+            turned[0, axis] += task_to_world[row, axis] * left[row]
+            turned[1, axis] += task_to_world[row, axis] * right[row]
+    return turned

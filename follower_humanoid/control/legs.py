@@ -11,8 +11,10 @@ from follower_humanoid.control.floating_base import motor_torque
 from follower_humanoid.control.motor_inverse import MotorInverse, MotorModel
 from follower_humanoid.control.sliding_mode import SlidingMode, SlidingModeConfig
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Side, Wrench
-from follower_humanoid.robot.model import ACTUATED, RobotModel
+from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Wrench
+from follower_humanoid.robot.model import ACTUATED, Indices, RobotModel
+from follower_humanoid.robot.placed_frames import PlacedFrames
 
 
 @dataclass(frozen=True)
@@ -65,114 +67,136 @@ class LegController:
         self._config = config
         self._robot = robot
         self._period = period
+        self._legs = robot.groups.legs
         self._data = robot.pin_model.createData()
-        self._motors = MotorInverse(config.motor, robot)
-        self._sliding = SlidingMode(config.sliding_mode, ACTUATED)
-        self._soles = {side: robot.frame_id(f"{side.prefix}_sole") for side in SIDES}
-        self._grippers = {side: robot.frame_id(f"{side.prefix}_gripper") for side in SIDES}
-        self._ankles = {
-            side: np.array([robot.joint_index(f"{side.prefix}_ankle_{axis}") for axis in ("pitch", "roll")])
-            for side in SIDES
-        }
-        self._toes = np.array([robot.joint_index(f"{side.prefix}_toe_pitch") for side in SIDES])
-        self._saturated = np.zeros(ACTUATED, dtype=bool)
-        self._hold: Array | None = None
+        self._mass_matrix: Array = self._data.M  # a view: it follows Pinocchio's algorithm
+        self._motors = MotorInverse(config.motor, robot, self._legs)
+        self._rotor_inertia = MotorInverse(config.motor, robot).rotor_inertia
+        self._sliding = SlidingMode(config.sliding_mode, len(self._legs))
+        names = [f"{side.prefix}_{frame}" for frame in ("sole", "gripper") for side in SIDES]
+        self._contacts = PlacedFrames(robot, self._data, names)
+        self._in_frame = np.array([name.endswith("sole") for name in names])
+        self._wrenches: Array = np.zeros((len(names), 6))
+        self._ankles, self._toes = _rows(robot, "ankle_pitch", "ankle_roll"), _rows(robot, "toe_pitch")
+        self._weight: Array = np.where(np.isin(self._legs, robot.groups.neck), config.neck_weight, 1.0)
+        self._weight[self._toes] = 0.0  # springs
+        self._hold: Joints | None = None
         self._toe_preload: Array = np.zeros(len(SIDES))
         self._first_load: Array = np.ones(len(SIDES))
-        self._last_velocity: Array = np.zeros(ACTUATED)
+        self._last_speed: Array = np.zeros(len(self._legs))
+        self._saturated = np.zeros(len(self._legs), dtype=bool)
         self._saturated_ticks = 0
         self._peak = 0.0
 
     def step(self, inputs: LegInputs, time: float) -> LegOutputs:
         """One tick: state and reference in, volts out."""
         del time
-        joints, motors = inputs.joints, self._motors
+        joints, legs, config = inputs.joints, self._legs, self._config
+        load = np.array([inputs.left_foot.force[2], inputs.right_foot.force[2]])
         if self._hold is None:
-            self._hold = joints.position
-            self._toe_preload = joints.effort[self._toes]
-            self._first_load = self._loads(inputs)
-        wanted, speed = self._hold, np.zeros(ACTUATED)
-        if inputs.reference is not None:
-            wanted, speed = inputs.reference.position, inputs.reference.velocity
-        feedforward = (speed - self._last_velocity) / self._period
-        self._last_velocity = speed
-        a = self._sliding.acceleration(
-            wanted - joints.position, speed - joints.velocity, feedforward, self._weights(inputs),
-            self._saturated, self._period,
+            self._hold = Joints(joints.position, np.zeros(ACTUATED), np.zeros(ACTUATED))
+            self._toe_preload, self._first_load = joints.effort[legs][self._toes[:, 0]], load
+        reference = inputs.reference or self._hold
+        wanted, speed = reference.position[legs], reference.velocity[legs]
+        velocity = joints.velocity[legs]
+        error, error_velocity = wanted - joints.position[legs], speed - velocity
+        feedforward = (speed - self._last_speed) / self._period
+        self._last_speed = speed
+        _weigh_ankles(
+            load, self._ankles, config.carrying, config.ankle_weight, config.ankle_swing_weight, self._weight
+        )
+        a = np.zeros(ACTUATED)  # of the arms too: they have a controller of their own
+        a[legs] = self._sliding.acceleration(
+            error, error_velocity, feedforward, self._weight, self._saturated, self._period
+        )
+        bias, external = self._dynamics(inputs)
+        torque = motor_torque(self._mass_matrix, bias, external, a, self._rotor_inertia)[0][legs]
+        _load_toes(
+            load, self._first_load, self._toe_preload, self._toes, error, error_velocity,
+            config.toe_stiffness, config.toe_damping, torque,
         )  # fmt: skip
-        # The arms have a controller of their own; the toes are springs.
-        a[self._robot.groups.arms] = 0.0
-        a[self._toes] = feedforward[self._toes]
-        q, v = self._robot.state(inputs.odometry, joints)
-        mass_matrix, bias, external = self._dynamics(inputs, q, v)
-        torque, _ = motor_torque(mass_matrix, bias, external, a, motors.rotor_inertia)
-        torque[self._toes] = self._toe_torque(inputs, wanted, speed)
-        voltage = motors.voltage(torque, joints.velocity)
-        limited = np.clip(voltage, -motors.voltage_limit, motors.voltage_limit)
-        self._saturated = limited != voltage
-        legs = self._robot.groups.legs
-        self._count(limited[legs], self._saturated[legs])
-        return LegOutputs(Joints(wanted[legs], speed[legs], limited[legs]))
+        voltage, self._saturated = self._motors.voltage(torque, velocity)
+        self._count(voltage)
+        return LegOutputs(Joints(wanted, speed, voltage))
 
     def diagnostics(self) -> dict[str, float | str]:
         """Peak voltage and ticks at the limit."""
         return {"peak_voltage [V]": self._peak, "saturated_ticks": self._saturated_ticks}
 
-    def _dynamics(self, inputs: LegInputs, q: Array, v: Array) -> tuple[Array, Array, Array]:
-        """M, n and the generalised force of desired foot and sensed hand wrenches."""
+    def _dynamics(self, inputs: LegInputs) -> tuple[Array, Array]:
+        """n and the generalised force of desired foot and sensed hand wrenches; M is left in the data."""
         model, data = self._robot.pin_model, self._data
-        pin.computeJointJacobians(model, data, q)
-        upper = pin.crba(model, data, q)
-        mass_matrix = np.triu(upper) + np.triu(upper, 1).T
-        bias = np.array(pin.nonLinearEffects(model, data, q, v))
+        q, v = self._robot.state(inputs.odometry, inputs.joints)
+        pin.crba(model, data, q, pin.Convention.WORLD)
+        bias: Array = pin.nonLinearEffects(model, data, q, v)
+        wrenches = (
+            inputs.left_foot_reference or inputs.left_foot,
+            inputs.right_foot_reference or inputs.right_foot,
+            inputs.left_hand,
+            inputs.right_hand,
+        )
+        for row, wrench in zip(self._wrenches, wrenches, strict=True):
+            if wrench is None:
+                row[:] = 0.0
+            else:
+                row[:3], row[3:] = wrench.force, wrench.torque
         external = np.zeros(model.nv)
-        feet = (
-            (inputs.left_foot_reference or inputs.left_foot),
-            (inputs.right_foot_reference or inputs.right_foot),
-        )
-        for side, wrench in zip(SIDES, feet, strict=True):
-            pin.updateFramePlacement(model, data, self._soles[side])
-            jacobian = pin.getFrameJacobian(model, data, self._soles[side], pin.ReferenceFrame.LOCAL)
-            external += jacobian[:3].T @ wrench.force + jacobian[3:].T @ wrench.torque
-        for side, hand in zip(SIDES, (inputs.left_hand, inputs.right_hand), strict=True):
-            if hand is None:
-                continue
-            pin.updateFramePlacement(model, data, self._grippers[side])
-            jacobian = pin.getFrameJacobian(
-                model, data, self._grippers[side], pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )
-            external += jacobian[:3].T @ hand.force + jacobian[3:].T @ hand.torque
-        return mass_matrix, bias, external
+        self._contacts.add_wrenches(self._wrenches, self._in_frame, external)
+        return bias, external
 
-    def _toe_torque(self, inputs: LegInputs, wanted: Array, speed: Array) -> Array:
-        """Springs that carry the toes' part of the foot's load, shape (2,) [N·m].
+    def _count(self, voltage: Array) -> None:
+        self._peak = max(self._peak, float(np.abs(voltage).max()))
+        self._saturated_ticks += bool(self._saturated.any())
 
-        That part is what they carried at the first tick, in proportion to the load since.
-        """
-        config, joints, toes = self._config, inputs.joints, self._toes
-        carried = np.clip(self._loads(inputs) / np.maximum(self._first_load, 1.0), 0.0, 1.0)
-        spring = config.toe_stiffness * (wanted - joints.position)[toes]
-        return np.asarray(
-            self._toe_preload * carried + spring + config.toe_damping * (speed - joints.velocity)[toes]
-        )
 
-    @staticmethod
-    def _loads(inputs: LegInputs) -> Array:
-        """Normal forces of the feet, shape (2,) [N]."""
-        return np.array([inputs.left_foot.force[2], inputs.right_foot.force[2]])
+def _rows(robot: RobotModel, *names: str) -> Indices:
+    """Where joints of left and right stand in the command, shape (2, joints)."""
+    legs = robot.groups.legs.tolist()
+    return np.array(
+        [[legs.index(robot.joint_index(f"{side.prefix}_{name}")) for name in names] for side in SIDES]
+    )
 
-    def _weights(self, inputs: LegInputs) -> Array:
-        """σ: ankles of a foot that carries give way to the foot wrench."""
-        config = self._config
-        weight = np.ones(ACTUATED)
-        weight[self._robot.groups.neck] = config.neck_weight
-        for side, foot in ((Side.LEFT, inputs.left_foot), (Side.RIGHT, inputs.right_foot)):
-            carried = min(max(float(foot.force[2]) / config.carrying, 0.0), 1.0)
-            weight[self._ankles[side]] = (
-                carried * config.ankle_weight + (1.0 - carried) * config.ankle_swing_weight
-            )
-        return weight
 
-    def _count(self, voltage: Array, saturated: Array) -> None:
-        self._peak = max(self._peak, float(np.max(np.abs(voltage))))
-        self._saturated_ticks += int(bool(np.any(saturated)))
+@kernel("void(float64[::1], intp[:,::1], float64, float64, float64, float64[::1])")
+def _weigh_ankles(
+    load: Array, ankles: Indices, carrying: float, standing: float, swinging: float, weight: Array
+) -> None:
+    """σ of the ankles: those of a foot that carries give way to the foot wrench.
+
+    Args:
+        load: Normal forces of the feet, shape (2,) [N].
+        ankles: Where their joints stand in `weight`, shape (2, 2).
+        carrying: Load at which a foot carries fully [N].
+        standing, swinging: σ of a foot that carries, and in the air.
+        weight: σ of all joints, written to.
+    """
+    for foot in range(load.size):
+        share = min(max(load[foot] / carrying, 0.0), 1.0)
+        for joint in ankles[foot]:
+            weight[joint] = share * standing + (1.0 - share) * swinging
+
+
+@kernel(
+    "void(float64[::1], float64[::1], float64[::1], intp[:,::1], float64[::1], float64[::1],"
+    " float64, float64, float64[::1])"
+)
+def _load_toes(
+    load: Array, first_load: Array, preload: Array, toes: Indices, error: Array, error_velocity: Array,
+    stiffness: float, damping: float, torque: Array,
+) -> None:  # fmt: skip
+    """Springs that carry the toes' part of the foot's load.
+
+    That part is what they carried at the first tick, in proportion to the load since.
+
+    Args:
+        load, first_load: Normal forces of the feet now and at the first tick, shape (2,) [N].
+        preload: What the toes carried then, shape (2,) [N·m].
+        toes: Where they stand among the joints, shape (2, 1).
+        error, error_velocity: Of all joints [rad], [rad/s].
+        stiffness, damping: [N·m/rad], [N·m·s/rad].
+        torque: Of all joints, written to [N·m].
+    """
+    for foot in range(load.size):
+        carried = min(max(load[foot] / max(first_load[foot], 1.0), 0.0), 1.0)
+        for toe in toes[foot]:
+            torque[toe] = preload[foot] * carried + stiffness * error[toe] + damping * error_velocity[toe]

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import RobotModel
 
@@ -48,9 +49,7 @@ class MotorInverse:
         voltage_limit: [V].
     """
 
-    def __init__(
-        self, motor: MotorModel, robot: RobotModel, joints: NDArray[np.intp] | None = None
-    ) -> None:
+    def __init__(self, motor: MotorModel, robot: RobotModel, joints: NDArray[np.intp] | None = None) -> None:
         """For the given indices into the 45 actuated joints, in their order; all 45 by default."""
         toes = [name.endswith("_toe_pitch") for name in robot.joint_names]
         gear = np.where(toes, motor.gear_toe, motor.gear)
@@ -63,25 +62,34 @@ class MotorInverse:
         self.damping: Array = self.viscous + self.torque_per_volt * self.back_emf
         self.voltage_limit = motor.voltage_limit
 
-    def voltage(self, motor_torque: Array, velocity: Array) -> Array:
-        """Voltage before the limit: `u = (motor_torque + b q̇)/K_t + k_e q̇`.
+    def voltage(self, motor_torque: Array, velocity: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Voltage within the limit: `u = (motor_torque + b q̇)/K_t + k_e q̇`, cut.
 
         Args:
             motor_torque: τ + A q̈, shape (n,) [N·m].
             velocity: q̇, shape (n,) [rad/s].
 
         Returns:
-            Shape (n,) [V].
+            (u, shape (n,) [V]; True where the limit cut it, shape (n,)).
 
         Reference: Savić et al. 2016, eqs. (12), (13), sign of (13) corrected.
         """
-        return (motor_torque + self.damping * velocity) / self.torque_per_volt
+        return _voltage(motor_torque, velocity, self.damping, self.torque_per_volt, self.voltage_limit)
 
     def motor_torque(self, voltage: Array, velocity: Array) -> Array:
-        """τ + A q̈ that a voltage makes at a velocity; the inverse of `voltage`."""
+        """τ + A q̈ that a voltage makes at a velocity; the inverse of `voltage` where nothing is cut."""
         return self.torque_per_volt * voltage - self.damping * velocity
 
-    def clipped(self, voltage: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """The voltage within the limit, and a mask that is True where the limit acted."""
-        saturated = np.abs(voltage) > self.voltage_limit
-        return np.clip(voltage, -self.voltage_limit, self.voltage_limit), saturated
+
+@kernel("(float64[::1], float64[::1], float64[::1], float64[::1], float64)")
+def _voltage(
+    motor_torque: Array, velocity: Array, damping: Array, torque_per_volt: Array, limit: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Voltages and where they are cut, for `MotorInverse.voltage`."""
+    voltage = np.empty(motor_torque.size)
+    saturated = np.empty(motor_torque.size, dtype=np.bool_)
+    for joint in range(motor_torque.size):
+        wanted = (motor_torque[joint] + damping[joint] * velocity[joint]) / torque_per_volt[joint]
+        voltage[joint] = min(max(wanted, -limit), limit)
+        saturated[joint] = voltage[joint] != wanted
+    return voltage, saturated

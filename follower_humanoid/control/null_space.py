@@ -1,50 +1,113 @@
 """Inverse of a task Jacobian that stays bounded near singularities, with its null-space projector.
 
-Everything works on stacks: leading axes run over arms.
+Everything works on stacks: the first axis runs over arms.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
+
+# Each sweep squares what is left off the diagonal; a 3 × 3 matrix is diagonal to rounding after five.
+_SWEEPS = 10
 
 
 class TaskInverse(NamedTuple):
     """How joint motion answers a task, and what is left over.
 
     Attributes:
-        inverse: J⁺, shape (..., n, m).
-        null: N = I − J⁺J, shape (..., n, n).
+        inverse: J⁺, shape (arms, n, m).
+        null: N = I − J⁺J, shape (arms, n, n).
     """
 
     inverse: Array
     null: Array
 
 
+@kernel("(float64[:,::1], float64[:,::1])")
+def _diagonalise(matrix: Array, vectors: Array) -> None:
+    """Turns a symmetric matrix into its eigenvalues and `vectors` into its eigenvectors (columns).
+
+    Cyclic Jacobi rotations, each of which makes one pair of off-diagonal entries zero.
+    """
+    size = matrix.shape[0]
+    vectors[:] = np.eye(size)
+    for _ in range(_SWEEPS):
+        turned = False
+        for p in range(size - 1):
+            for q in range(p + 1, size):
+                if abs(matrix[p, q]) <= 1e-18 * (abs(matrix[p, p]) + abs(matrix[q, q])):
+                    continue
+                turned = True
+                theta = 0.5 * (matrix[q, q] - matrix[p, p]) / matrix[p, q]
+                tangent = math.copysign(1.0, theta) / (abs(theta) + math.sqrt(theta * theta + 1.0))
+                cosine = 1.0 / math.sqrt(tangent * tangent + 1.0)
+                sine = tangent * cosine
+                for row in range(size):
+                    one, other = matrix[row, p], matrix[row, q]
+                    matrix[row, p], matrix[row, q] = cosine * one - sine * other, sine * one + cosine * other
+                for row in range(size):
+                    one, other = matrix[p, row], matrix[q, row]
+                    matrix[p, row], matrix[q, row] = cosine * one - sine * other, sine * one + cosine * other
+                    one, other = vectors[row, p], vectors[row, q]
+                    vectors[row, p] = cosine * one - sine * other
+                    vectors[row, q] = sine * one + cosine * other
+                matrix[p, q] = matrix[q, p] = 0.0
+        if not turned:
+            break
+
+
+@kernel("(float64[:,::1], float64, float64)")
+def _damped_square(jacobian: Array, threshold: float, damping: float) -> Array:
+    """`Σ_i u_i u_iᵀ/(σ_i² + λ_i²)` of `task_inverse`, shape (m, m)."""
+    size = jacobian.shape[0]
+    squared, left, inverse = np.zeros((size, size)), np.empty((size, size)), np.zeros((size, size))
+    for row in range(size):
+        for column in range(size):
+            for joint in range(jacobian.shape[1]):
+                squared[row, column] += jacobian[row, joint] * jacobian[column, joint]
+    _diagonalise(squared, left)
+    for n in range(size):
+        sigma_squared = max(squared[n, n], 0.0)
+        damped = sigma_squared + damping**2 * max(0.0, 1.0 - sigma_squared / threshold**2)
+        for row in range(size):
+            for column in range(size):
+                inverse[row, column] += left[row, n] * left[column, n] / damped
+    return inverse
+
+
+@kernel("(float64[:,:,::1], float64, float64)")
 def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInverse:
     """Right pseudo-inverse, damped only along directions that are close to singular.
 
-    `J⁺ = Σ_i σ_i/(σ_i² + λ_i²) v_i u_iᵀ`, `λ_i² = λ² max(0, 1 − (σ_i/ε)²)`: away from singularities
-    this is `Jᵀ(JJᵀ)⁻¹` and N is an orthogonal projector with `J N = 0`; where a direction is lost,
-    its joint motion passes gradually from the task to the null space, so nothing is left unheld.
+    `J⁺ = Σ_i σ_i/(σ_i² + λ_i²) v_i u_iᵀ = Jᵀ Σ_i u_i u_iᵀ/(σ_i² + λ_i²)`, with
+    `λ_i² = λ² max(0, 1 − (σ_i/ε)²)` and u_i, σ_i² from `J Jᵀ`: away from singularities this is
+    `Jᵀ(JJᵀ)⁻¹` and N is an orthogonal projector with `J N = 0`; where a direction is lost, its
+    joint motion passes gradually from the task to the null space, so nothing is left unheld.
 
     Args:
-        jacobian: J, shape (..., m, n) with m ≤ n.
+        jacobian: J, shape (arms, m, n) with m ≤ n.
         threshold: ε, singular value below which damping sets in.
         damping: λ, its amount at the singularity; gain is then at most 1/(2λ).
 
     Reference: Savić et al. 2016, eq. (6); damping as in Nakamura and Hanafusa 1986.
     """
-    left, sigma, right = np.linalg.svd(jacobian, full_matrices=False)
-    squared = sigma * sigma
-    damped = squared + damping**2 * np.maximum(0.0, 1.0 - squared / threshold**2)
-    columns = right.swapaxes(-1, -2) * (sigma / damped)[..., None, :]
-    inverse = columns @ left.swapaxes(-1, -2)
-    null: Array = inverse @ jacobian
-    np.subtract(np.eye(jacobian.shape[-1]), null, out=null)
+    arms, size, joints = jacobian.shape
+    inverse, null = np.zeros((arms, joints, size)), np.zeros((arms, joints, joints))
+    for arm in range(arms):
+        square = _damped_square(jacobian[arm], threshold, damping)
+        for joint in range(joints):
+            null[arm, joint, joint] = 1.0
+            for axis in range(size):
+                for row in range(size):
+                    inverse[arm, joint, axis] += jacobian[arm, row, joint] * square[row, axis]
+                for other in range(joints):
+                    null[arm, joint, other] -= inverse[arm, joint, axis] * jacobian[arm, axis, other]
     return TaskInverse(inverse, null)
 
 
@@ -74,14 +137,26 @@ def joint_velocity(inverse: TaskInverse, task_velocity: Array, null_velocity: Ar
 
     Args:
         inverse: J⁺ and its null projector.
-        task_velocity: v_ref, shape (..., m) [m/s].
-        null_velocity: q̇_h, shape (..., n) [rad/s].
+        task_velocity: v_ref, shape (arms, m) [m/s].
+        null_velocity: q̇_h, shape (arms, n) [rad/s].
 
     Returns:
-        Shape (..., n) [rad/s].
+        Shape (arms, n) [rad/s].
 
     Reference: Savić et al. 2016, eq. (6).
     """
-    task, null = task_velocity[..., None], null_velocity[..., None]
-    desired: Array = (inverse.inverse @ task + inverse.null @ null)[..., 0]
-    return desired
+    return _task_and_rest(inverse.inverse, inverse.null, task_velocity, null_velocity)
+
+
+@kernel("(float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1])")
+def _task_and_rest(inverse: Array, null: Array, task: Array, rest: Array) -> Array:
+    """`J⁺ x + N y` per arm, shape (arms, n)."""
+    arms, joints, size = inverse.shape
+    motion = np.zeros((arms, joints))
+    for arm in range(arms):
+        for joint in range(joints):
+            for axis in range(size):
+                motion[arm, joint] += inverse[arm, joint, axis] * task[arm, axis]
+            for other in range(joints):
+                motion[arm, joint] += null[arm, joint, other] * rest[arm, other]
+    return motion

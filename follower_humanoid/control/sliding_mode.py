@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 
 
@@ -62,9 +63,29 @@ class SlidingMode:
             a, shape (n,) [rad/s²].
         """  # fmt: skip
         c = self._config
-        s = error_velocity + c.slope * error
-        grown = np.clip(self.estimate + (c.estimator * dt) * s, -c.estimate_limit, c.estimate_limit)
-        self.estimate = np.where(saturated, self.estimate, grown)
-        feedback = c.slope * error_velocity + c.reaching * s
-        feedback += c.switching * np.clip(s / c.boundary, -1.0, 1.0) + self.estimate
-        return np.asarray(feedforward + weight * feedback)
+        return _sliding_mode(
+            error, error_velocity, feedforward, weight, saturated, self.estimate,
+            c.slope, c.reaching, c.switching, c.boundary, c.estimator * dt, c.estimate_limit,
+        )  # fmt: skip
+
+
+@kernel(
+    "float64[::1](float64[::1], float64[::1], float64[::1], float64[::1], boolean[::1], float64[::1],"
+    " float64, float64, float64, float64, float64, float64)"
+)
+def _sliding_mode(
+    error: Array, error_velocity: Array, feedforward: Array, weight: Array, saturated: NDArray[np.bool_],
+    estimate: Array, slope: float, reaching: float, switching: float, boundary: float, growth: float,
+    estimate_limit: float,
+) -> Array:  # fmt: skip
+    """The law of `SlidingMode` for one tick; `estimate` moves on, `growth` is l Δt."""
+    acceleration = np.empty(error.size)
+    for joint in range(error.size):
+        s = error_velocity[joint] + slope * error[joint]
+        if not saturated[joint]:
+            grown = estimate[joint] + growth * s
+            estimate[joint] = min(max(grown, -estimate_limit), estimate_limit)
+        feedback = slope * error_velocity[joint] + reaching * s
+        feedback += switching * min(max(s / boundary, -1.0), 1.0) + estimate[joint]
+        acceleration[joint] = feedforward[joint] + weight[joint] * feedback
+    return acceleration

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array, Inertial
-from follower_humanoid.robot.model import ACTUATED, BASE_DOF, GRAVITY, RobotModel
+from follower_humanoid.robot.model import BASE_DOF, GRAVITY, RobotModel
 from follower_humanoid.sensing.low_pass import LowPass
 
 
@@ -34,11 +35,21 @@ class BodyAcceleration:
         turning = np.concatenate((imu.angular_velocity, v[BASE_DOF:]))
         before = turning if self._before is None else self._before
         self._before = turning
-        rate = np.empty(BASE_DOF + ACTUATED)
-        rate[3:] = (turning - before) / self._period
-        # d/dt of the velocity's components in the turning base axes: Rᵀ(c̈) − ω × v
-        x, y, z = v[:3].tolist()
-        p, q, r = imu.angular_velocity.tolist()
-        rate[:3] = imu.linear_acceleration - GRAVITY * base_to_world[2]
-        rate[:3] -= (q * z - r * y, r * x - p * z, p * y - q * x)
+        change = (turning - before) / self._period
+        rate = _rate(v, imu.angular_velocity, imu.linear_acceleration, base_to_world, change)
         return self._filter.step(rate)
+
+
+@kernel("(float64[::1], float64[:], float64[:], float64[:,::1], float64[::1])")
+def _rate(v: Array, turning: Array, specific_force: Array, base_to_world: Array, change: Array) -> Array:
+    """v̇ of `BodyAcceleration`, whose angular and joint parts are `change`.
+
+    The linear part is d/dt of the velocity's components in the turning base axes: `Rᵀ(c̈) − ω × v`.
+    """
+    rate = np.empty(v.size)
+    for axis in range(3):
+        after, last = (axis + 1) % 3, (axis + 2) % 3
+        rate[axis] = specific_force[axis] - GRAVITY * base_to_world[2, axis]
+        rate[axis] -= turning[after] * v[last] - turning[last] * v[after]
+    rate[3:] = change
+    return rate
