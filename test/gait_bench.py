@@ -12,10 +12,12 @@ import numpy as np
 import pinocchio as pin
 
 from follower_humanoid.core.samples import SIDES, Array, Footstep, Gait, Joints, Odometry, Side, Wrench
-from follower_humanoid.gait.composition import CompositionConfig, CompositionOutputs, MotionComposition
+from follower_humanoid.gait.composition import CompositionOutputs, MotionComposition
 from follower_humanoid.gait.feet import FootPose, FootstepConfig
+from follower_humanoid.gait.motion_config import CompositionConfig
 from follower_humanoid.gait.sequence import Sequence, load_sequence
-from follower_humanoid.gait.walker import Walker, WalkerConfig
+from follower_humanoid.gait.walk_plan import WalkerConfig
+from follower_humanoid.gait.walker import Walker
 from follower_humanoid.robot.model import RobotModel
 
 STAND = Gait(0.0, 0.0, 1.0, 1.0, 0.0)

@@ -12,15 +12,48 @@ import pytest
 from gait_bench import AHEAD, STAND, IdealRobot, WalkerBench, inputs_of, vertical
 
 from follower_humanoid.core.samples import SIDES, Array, Gait, Point, Side
-from follower_humanoid.gait.capture import CaptureConfig, footprint_weight, landing_shift, shifted
+from follower_humanoid.gait.capture import (
+    Capture,
+    CaptureConfig,
+    SwingOutlook,
+    capture,
+    footprint_weight,
+    shifted,
+)
 from follower_humanoid.gait.composition import MotionComposition
 from follower_humanoid.gait.feet import FootPose
 from follower_humanoid.gait.limits import GaitLimits, limited
-from follower_humanoid.gait.preview import planned_dcm
+from follower_humanoid.gait.preview import ZmpLeg, planned_dcm
 
 CONFIG = CaptureConfig()
 OMEGA = 3.4
 LANDING = FootPose(Side.LEFT, 0.4, 0.09, 0.0)
+
+
+@cache
+def swing(progress: float) -> SwingOutlook:
+    """A swing of the left or right foot of a straight walk, so far gone; 0: the foot still stands."""
+    bench = WalkerBench()
+    while bench.walker.half_step is None or bench.walker.half_step.swing_progress < progress:
+        bench.tick(AHEAD)
+    outlook = bench.walker.outlook(bench.walker.plan_ahead(AHEAD))
+    assert outlook is not None
+    return outlook
+
+
+def planned(outlook: SwingOutlook, time: float | None = None) -> Array:
+    """The DCM that the plan needs now when the rest of the swing takes so long."""
+    stretch = 1.0 if time is None else time / outlook.time
+    pieces = [(target, stretch * duration) for target, duration in outlook.swing]
+    return planned_dcm(outlook.zmp, [*outlook.lead, *pieces, *outlook.rest], OMEGA, math.inf)
+
+
+def left_over(error: Array, outlook: SwingOutlook, wanted: Capture) -> Array:
+    """(along, outward) of what time and place of the landing leave to the ZMP."""
+    until = outlook.until_lift_off + wanted.time
+    missing = planned(outlook) + error - planned(outlook, wanted.time)
+    missing[1] *= outlook.landing.side.sign
+    return np.asarray(missing - footprint_weight(until, outlook.transfer, OMEGA) * wanted.shift)
 
 
 @pytest.mark.parametrize("progress", [0.1, 0.5, 0.75])
@@ -29,9 +62,11 @@ def test_the_weight_is_what_a_shifted_footprint_does_to_the_planned_dcm(progress
     while bench.walker.half_step is None or bench.walker.half_step.swing_progress < progress:
         bench.tick(AHEAD)
     walker = bench.walker
-    weight = footprint_weight(*walker.landing_times(), OMEGA)
-    before = planned_dcm(walker.zmp.position, walker.plan_ahead(AHEAD).zmp, OMEGA, math.inf)
-    assert walker.landing is not None
+    plan = walker.plan_ahead(AHEAD)
+    outlook = walker.outlook(plan)
+    assert outlook is not None and walker.landing is not None
+    weight = footprint_weight(outlook.until_lift_off + outlook.time, outlook.transfer, OMEGA)
+    before = planned_dcm(walker.zmp.position, plan.zmp, OMEGA, math.inf)
     walker.landing = shifted(walker.landing, np.array([0.1, 0.05]))
     after = planned_dcm(walker.zmp.position, walker.plan_ahead(AHEAD).zmp, OMEGA, math.inf)
     outward = walker.landing.side.sign
@@ -44,35 +79,88 @@ def test_the_weight_of_a_sudden_change_is_its_discount() -> None:
     assert footprint_weight(0.0, 0.5, OMEGA) < 1.0
 
 
-def test_an_error_within_the_reserve_is_left_to_the_zmp() -> None:
-    for error in ([0.049, 0.0], [0.0, 0.021], [-0.049, -0.021]):
-        np.testing.assert_array_equal(landing_shift(np.array(error), LANDING, 0.5, CONFIG), np.zeros(2))
+@pytest.mark.parametrize("progress", [0.0, 0.1, 0.5, 0.75])
+def test_an_error_within_the_reach_of_the_zmp_leaves_the_step_alone(progress: float) -> None:
+    outlook = swing(progress)
+    held = 1.0 - math.exp(-OMEGA * (outlook.until_lift_off + outlook.time))
+    for along, across in ((0.9, 0.0), (0.0, 0.9), (-0.9, -0.9)):
+        error = held * np.array([along * CONFIG.zmp_along, across * CONFIG.zmp_across])
+        wanted = capture(planned(outlook) + error, outlook, OMEGA, CONFIG)
+        assert (wanted.cost, wanted.offset) == (0.0, 0.0)
+        assert wanted.time == pytest.approx(outlook.time)
+        np.testing.assert_array_equal(wanted.shift, np.zeros(2))
 
 
-def test_what_goes_beyond_moves_the_landing_just_so_far_that_the_plan_meets_it() -> None:
-    shift = landing_shift(np.array([0.08, 0.042]), LANDING, 0.5, CONFIG)
-    np.testing.assert_allclose(shift, [0.03 / 0.5, 0.02 / 0.5])
-    backward = landing_shift(np.array([-0.08, 0.0]), LANDING, 0.5, CONFIG)
-    np.testing.assert_allclose(backward, [-0.06, 0.0])
+@pytest.mark.parametrize("progress", [0.1, 0.3, 0.6])
+def test_what_is_said_to_be_caught_is_within_the_reach_of_the_zmp(progress: float) -> None:
+    outlook = swing(progress)
+    rng = np.random.default_rng(3)
+    caught = 0
+    for _ in range(60):
+        error = rng.uniform(-0.1, 0.1, 2)
+        wanted = capture(planned(outlook) + error, outlook, OMEGA, CONFIG)
+        held = 1.0 - math.exp(-OMEGA * (outlook.until_lift_off + wanted.time))
+        reach = CONFIG.tolerance + held * np.array([CONFIG.zmp_along, CONFIG.zmp_across])
+        beyond = np.maximum(np.abs(left_over(error, outlook, wanted)) - reach, 0.0)
+        growth = math.exp(OMEGA * (outlook.until_lift_off + wanted.time))
+        assert growth * math.hypot(*beyond) == pytest.approx(wanted.offset, abs=1e-9)
+        caught += wanted.offset < 1e-9
+    assert caught > 5
+
+
+def test_a_push_towards_the_swing_foot_is_met_sooner_and_further_out() -> None:
+    outlook = swing(0.1)
+    push = np.array([0.0, outlook.landing.side.sign * 0.09])
+    both = capture(planned(outlook) + push, outlook, OMEGA, CONFIG)
+    place_only = capture(planned(outlook) + push, outlook, OMEGA, replace(CONFIG, timing=False))
+    assert both.time < 0.6 * outlook.time
+    assert both.shift[1] > 0.02
+    assert place_only.time == pytest.approx(outlook.time)
+    assert both.offset < 0.1 * place_only.offset
+    assert both.cost < place_only.cost
 
 
 def test_shifts_have_limits_and_inwards_the_narrowest() -> None:
-    far = np.array([5.0, 5.0])
-    np.testing.assert_allclose(landing_shift(far, LANDING, 0.5, CONFIG), [CONFIG.forward, CONFIG.outward])
-    np.testing.assert_allclose(landing_shift(-far, LANDING, 0.5, CONFIG), [-CONFIG.forward, -CONFIG.inward])
-    hopeless = landing_shift(np.array([0.06, 0.0]), LANDING, 1e-12, CONFIG)
-    np.testing.assert_allclose(hopeless, [CONFIG.amplification * 0.01, 0.0])
+    outlook = replace(swing(0.1), foot=swing(0.1).landing.xy)  # so that the way to go is no limit
+    sign = outlook.landing.side.sign
+    for along, outward in ((5.0, 5.0), (-5.0, -5.0)):
+        wanted = capture(planned(outlook) + np.array([along, sign * outward]), outlook, OMEGA, CONFIG)
+        assert abs(wanted.shift[0]) <= CONFIG.forward + 1e-12
+        assert -CONFIG.inward - 1e-12 <= wanted.shift[1] <= CONFIG.outward + 1e-12
+        assert wanted.offset > 1.0
 
 
-def test_left_and_right_are_mirror_images_and_axes_are_those_of_the_foot() -> None:
-    error = np.array([0.09, -0.05])
-    right = replace(LANDING, side=Side.RIGHT)
-    one = landing_shift(error, LANDING, 0.5, CONFIG)
-    two = landing_shift(error * [1.0, -1.0], right, 0.5, CONFIG)
-    np.testing.assert_allclose(one, two)
-    c, s = math.cos(2.0), math.sin(2.0)
-    turned = np.array([[c, -s], [s, c]]) @ error
-    np.testing.assert_allclose(landing_shift(turned, replace(LANDING, yaw=2.0), 0.5, CONFIG), one)
+def test_a_foot_is_not_sent_further_than_it_gets_in_time() -> None:
+    outlook = swing(0.05)
+    rng = np.random.default_rng(4)
+    for _ in range(40):
+        wanted = capture(planned(outlook) + rng.uniform(-0.3, 0.3, 2), outlook, OMEGA, CONFIG)
+        way = math.dist(shifted(outlook.landing, wanted.shift).xy, outlook.foot)
+        assert way <= CONFIG.swing_speed * wanted.time + 1e-9
+        assert wanted.time >= min(CONFIG.quickest * outlook.left, outlook.time) - 1e-9
+        assert wanted.time <= CONFIG.slowest * outlook.time + 1e-9
+
+
+def test_left_and_right_are_mirror_images() -> None:
+    def reflected(outlook: SwingOutlook) -> SwingOutlook:
+        def pieces(legs: list[ZmpLeg]) -> list[ZmpLeg]:
+            return [(None if target is None else target * flip, time) for target, time in legs]
+
+        flip = np.array([1.0, -1.0])
+        foot = outlook.landing
+        return replace(
+            outlook, zmp=outlook.zmp * flip, lead=pieces(outlook.lead), swing=pieces(outlook.swing),
+            rest=pieces(outlook.rest), foot=outlook.foot * flip, moved=outlook.moved * flip,
+            landing=FootPose(foot.side.other, foot.x, -foot.y, -foot.yaw),
+        )  # fmt: skip
+
+    outlook = swing(0.3)
+    for error in ([0.09, -0.05], [-0.06, 0.08]):
+        one = capture(planned(outlook) + error, outlook, OMEGA, CONFIG)
+        other = reflected(outlook)
+        two = capture(planned(other) + np.array(error) * [1.0, -1.0], other, OMEGA, CONFIG)
+        np.testing.assert_allclose(one.shift, two.shift, atol=1e-12)
+        assert one.time == pytest.approx(two.time)
 
 
 def test_a_landing_is_shifted_in_its_own_axes() -> None:

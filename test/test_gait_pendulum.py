@@ -21,7 +21,7 @@ def step(
     momentum: Array | None = None,
 ) -> None:  # fmt: skip
     swing = np.zeros(2) if momentum is None else momentum
-    pendulum.advance(zmp_plan=zmp, dcm_plan=dcm, momentum=swing, omega=OMEGA, reach=reach, dt=dt)
+    pendulum.advance(zmp, dcm, swing, OMEGA, convergence=CONVERGENCE, reach=reach, dt=dt)
 
 
 def test_natural_frequency() -> None:
@@ -30,7 +30,7 @@ def test_natural_frequency() -> None:
 
 def test_constant_zmp_gives_the_closed_form_of_the_pendulum() -> None:
     # With the planned DCM always at the present one the ZMP stays where the plan has it.
-    pendulum = ReferencePendulum(np.zeros(2), CONVERGENCE)
+    pendulum = ReferencePendulum(np.zeros(2))
     zmp = np.array([-0.02, 0.01])
     ticks = 400
     for _ in range(ticks):
@@ -43,7 +43,7 @@ def test_constant_zmp_gives_the_closed_form_of_the_pendulum() -> None:
 
 def test_the_state_is_consistent_at_every_tick() -> None:
     rng = np.random.default_rng(4)
-    pendulum = ReferencePendulum(np.array([0.1, 0.0]), CONVERGENCE)
+    pendulum = ReferencePendulum(np.array([0.1, 0.0]))
     for _ in range(200):
         step(pendulum, rng.normal(0, 0.05, 2), rng.normal(0, 0.05, 2), reach=0.04)
         state = pendulum.state
@@ -51,7 +51,7 @@ def test_the_state_is_consistent_at_every_tick() -> None:
 
 
 def test_com_and_velocity_never_jump_though_the_plan_does() -> None:
-    pendulum = ReferencePendulum(np.zeros(2), CONVERGENCE)
+    pendulum = ReferencePendulum(np.zeros(2))
     states = []
     for tick in range(600):
         dcm = np.array([0.0, 0.0]) if tick < 200 else np.array([0.02, 0.05])
@@ -63,7 +63,7 @@ def test_com_and_velocity_never_jump_though_the_plan_does() -> None:
 
 
 def test_the_gap_to_the_planned_dcm_decays_at_the_chosen_rate() -> None:
-    pendulum = ReferencePendulum(np.array([0.03, -0.02]), CONVERGENCE)
+    pendulum = ReferencePendulum(np.array([0.03, -0.02]))
     start = pendulum.state.dcm
     dt = 1e-4
     for _ in range(10_000):
@@ -72,13 +72,13 @@ def test_the_gap_to_the_planned_dcm_decays_at_the_chosen_rate() -> None:
 
 
 def test_the_zmp_shift_is_bounded_and_keeps_its_direction() -> None:
-    pendulum = ReferencePendulum(np.array([0.3, 0.4]), CONVERGENCE)
+    pendulum = ReferencePendulum(np.array([0.3, 0.4]))
     step(pendulum, np.array([0.01, 0.0]), np.zeros(2), reach=0.05)
     np.testing.assert_allclose(pendulum.state.zmp, [0.01 + 0.03, 0.04], atol=1e-12)
 
 
 def test_on_the_plan_the_zmp_is_the_planned_one() -> None:
-    pendulum = ReferencePendulum(np.zeros(2), CONVERGENCE)
+    pendulum = ReferencePendulum(np.zeros(2))
     step(pendulum, np.array([0.02, 0.03]), np.zeros(2))
     np.testing.assert_array_equal(pendulum.state.zmp, [0.02, 0.03])
 
@@ -103,7 +103,7 @@ def swing_momentum(time: float) -> Array:
 
 
 def test_com_follows_the_zmp_and_the_angular_momentum() -> None:
-    pendulum = ReferencePendulum(np.zeros(2), CONVERGENCE)
+    pendulum = ReferencePendulum(np.zeros(2))
     dt = 5e-4
     states = []
     for tick in range(1200):
@@ -122,7 +122,7 @@ def test_com_follows_the_zmp_and_the_angular_momentum() -> None:
 
 
 def test_the_gap_to_the_plan_with_angular_momentum_decays_too() -> None:
-    pendulum = ReferencePendulum(np.array([0.03, 0.0]), CONVERGENCE)
+    pendulum = ReferencePendulum(np.array([0.03, 0.0]))
     dt, seconds = 5e-4, 1.8
     for tick in range(round(seconds / dt)):
         step(pendulum, np.zeros(2), np.zeros(2), dt=dt, momentum=swing_momentum(tick * dt))

@@ -9,7 +9,7 @@ import pytest
 from gait_bench import AHEAD, STAND, WalkerBench, always
 
 from follower_humanoid.core.samples import Array
-from follower_humanoid.gait.walker import Plan
+from follower_humanoid.gait.walk_plan import Plan
 
 TURNING = replace(AHEAD, walk_dir=0.35, heading=0.35)
 

@@ -13,7 +13,7 @@ from gait_bench import AHEAD, STAND, Tick, WalkerBench, always
 
 from follower_humanoid.core.samples import Array, Gait, Side
 from follower_humanoid.gait.feet import FootPose, half_step_length
-from follower_humanoid.gait.walker import WalkerConfig
+from follower_humanoid.gait.walk_plan import WalkerConfig
 
 CHANGES = {
     "length": replace(AHEAD, step_length=1.25),

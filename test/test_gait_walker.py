@@ -11,7 +11,7 @@ from gait_bench import AHEAD, STAND, GaitPlan, Tick, WalkerBench, always, mirror
 
 from follower_humanoid.core.samples import SIDES, Array, Gait, Side
 from follower_humanoid.gait.feet import half_step_length
-from follower_humanoid.gait.walker import WalkerConfig
+from follower_humanoid.gait.walk_plan import WalkerConfig
 
 WAYS = {
     "nominal": AHEAD,

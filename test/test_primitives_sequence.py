@@ -10,8 +10,8 @@ from gait_bench import AHEAD, STAND, IdealRobot, until
 
 from follower_humanoid.core.samples import Side
 from follower_humanoid.errors import ConfigurationError
-from follower_humanoid.gait.composition import CompositionConfig
 from follower_humanoid.gait.feet import half_step_length
+from follower_humanoid.gait.motion_config import CompositionConfig
 from follower_humanoid.gait.primitives import Bend, Stretch
 from follower_humanoid.gait.sequence import Sequence, load_sequence, primitive_name
 from follower_humanoid.resources import share_path

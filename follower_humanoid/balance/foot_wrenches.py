@@ -12,6 +12,10 @@ from follower_humanoid.core.config import parameter
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array, ContactPlan, Side, Wrench
 
+OUT_OF_REACH = 0.002  # a ZMP this near is reached [m]
+SAME = 1e-6  # points this near each other are the same [m]
+TRIED_SHARES = 17
+
 
 @dataclass(frozen=True)
 class SoleConfig:
@@ -19,7 +23,7 @@ class SoleConfig:
 
     back: float = parameter(-0.060, "rear edge of the usable sole", "m", -0.2, 0)
     front: float = parameter(0.140, "front edge of the usable sole", "m", 0, 0.3)
-    side: float = parameter(0.040, "half width of the usable sole", "m", 0.005, 0.1)
+    side: float = parameter(0.046, "half width of the usable sole", "m", 0.005, 0.1)
     center: float = parameter(0.030, "middle of the sole ahead of the ankle", "m", -0.1, 0.15)
     friction: float = parameter(0.6, "largest tangential force as part of the normal force", "", 0.05, 2)
 
@@ -85,19 +89,32 @@ def shared(
     if length2 > 1e-6:
         left = ((zmp[0] - right_x) * line_x + (zmp[1] - right_y) * line_y) / length2
     # Loads change hands only as fast as the plan lets them.
-    low, high = 1.0 - right_most, left_most
-    left = min(max(left, min(low, high)), max(low, high))
-    right = 1.0 - left
-    rest_x = zmp[0] - (left * left_x + right * right_x)
-    rest_y = zmp[1] - (left * left_y + right * right_y)
-    left_x, left_y = nearest_in_sole(
-        left_x + rest_x, left_y + rest_y, left_position, left_rotation, back, front, side
-    )
-    right_x, right_y = nearest_in_sole(
-        right_x + rest_x, right_y + rest_y, right_position, right_rotation, back, front, side
-    )
-    made = np.array([left * left_x + right * right_x, left * left_y + right * right_y])
-    return left, np.array([left_x, left_y]), np.array([right_x, right_y]), made
+    low, high = min(1.0 - right_most, left_most), max(1.0 - right_most, left_most)
+    first = min(max(left, low), high)
+    best, nearest = first, math.inf
+    points = np.empty((2, 2))
+    made = np.empty(2)
+    # Feet apart along and across: the nearest point that the soles reach may need another share.
+    for i in range(-1, TRIED_SHARES):
+        share = first if i < 0 else low + (high - low) * i / (TRIED_SHARES - 1)
+        rest_x = zmp[0] - (share * left_x + (1.0 - share) * right_x)
+        rest_y = zmp[1] - (share * left_y + (1.0 - share) * right_y)
+        l_x, l_y = nearest_in_sole(
+            left_x + rest_x, left_y + rest_y, left_position, left_rotation, back, front, side
+        )
+        r_x, r_y = nearest_in_sole(
+            right_x + rest_x, right_y + rest_y, right_position, right_rotation, back, front, side
+        )
+        made_x, made_y = share * l_x + (1.0 - share) * r_x, share * l_y + (1.0 - share) * r_y
+        away = math.hypot(made_x - zmp[0], made_y - zmp[1])
+        as_near = abs(away - nearest) <= SAME and abs(share - first) < abs(best - first)
+        if away < nearest - SAME or as_near:
+            best, nearest = share, away
+            points[0, 0], points[0, 1], points[1, 0], points[1, 1] = l_x, l_y, r_x, r_y
+            made[0], made[1] = made_x, made_y
+        if nearest < OUT_OF_REACH or high <= low:
+            break
+    return best, points[0], points[1], made
 
 
 def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, config: SoleConfig) -> FootShares:

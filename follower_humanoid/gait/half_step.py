@@ -45,6 +45,8 @@ class HalfStep:
         closing: True for a step that only brings the feet together.
         progress: Progress of the present phase, 0…1.
         waited: How long the foot has waited to lift off [s].
+        pace: Factor on the times of single support; 1 = as the walking parameters say.
+        transfer_pace: The same for double support.
         duration: Present time of the whole half-step [s]; may change at any tick.
     """
 
@@ -60,13 +62,14 @@ class HalfStep:
         self._phases = sequence.phases
         self._index = 0
         self._shortest_transfer = shortest_transfer
-        self._hurried: float | None = None
         self._targets: dict[tuple[int, int], Array] = {}
         self.stance = stance
         self.swing = swing
         self.closing = closing
         self.progress = 0.0
         self.waited = 0.0
+        self.pace = 1.0
+        self.transfer_pace = 1.0
         self.duration = 1.0
 
     @property
@@ -100,10 +103,6 @@ class HalfStep:
         """Time until the swing foot touches down by plan [s]."""
         times = [self._phase_time(phase, self.duration) for phase in self._phases[self._index :]]
         return sum(times) - self.progress * times[0]
-
-    def hurry(self, swing_time: float) -> None:
-        """From now on the swing goes at the speed of one that takes this time in all [s]."""
-        self._hurried = swing_time
 
     def advance(self, context: StepContext, zmp: ConstantSpeedChannel, duration: float, dt: float) -> bool:
         """One tick of every active primitive.
@@ -165,11 +164,10 @@ class HalfStep:
     def _phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase; the transfer out of standing takes its own [s]."""
         time = self._sequence.phase_time(phase, duration)
-        if phase.single_support and self._hurried is not None:
-            single = sum(p.share for p in self._phases if p.single_support)
-            return min(time, self._hurried * phase.share / single)
-        if phase.single_support or self._shortest_transfer == 0.0:
-            return time
+        if phase.single_support:
+            return time * self.pace
+        if self._shortest_transfer == 0.0 or self.transfer_pace < 1.0:
+            return time * self.transfer_pace
         return max(time, self._shortest_transfer * phase.share / self._sequence.double_share)
 
     def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:

@@ -43,14 +43,8 @@ class ReferencePendulum:
     by ω λ only ω λ is left, a fraction of it for swings that are short against 1/ω.
     """
 
-    def __init__(self, com: Array, convergence: float) -> None:
-        """Starts at rest above its ZMP.
-
-        Args:
-            com: CoM over the ground, shape (2,) [m].
-            convergence: Decay rate k of the gap to the plan [1/s].
-        """
-        self._convergence = convergence
+    def __init__(self, com: Array) -> None:
+        """Starts at rest above its ZMP; `com` is over the ground, shape (2,) [m]."""
         self._momentum_rate = MomentumRate(MOMENTUM, start=np.zeros(2))
         self.state = PendulumState(np.array(com), np.zeros(2), np.array(com), np.array(com))
 
@@ -63,7 +57,14 @@ class ReferencePendulum:
         self.state = replace(self.state, dcm=dcm)
 
     def advance(
-        self, zmp_plan: Array, dcm_plan: Array, momentum: Array, omega: float, reach: float, dt: float
+        self,
+        zmp_plan: Array,
+        dcm_plan: Array,
+        momentum: Array,
+        omega: float,
+        convergence: float,
+        reach: float,
+        dt: float,
     ) -> PendulumState:
         """One tick under constant ZMP, integrated exactly.
 
@@ -72,12 +73,13 @@ class ReferencePendulum:
             dcm_plan: Planned DCM, shape (2,) [m].
             momentum: λ of the reference motion, shape (2,) [m·s].
             omega: Natural frequency [1/s].
+            convergence: Decay rate k of the gap to the plan [1/s].
             reach: Largest distance of the ZMP from the planned one [m].
             dt: Tick [s].
         """
         old = self.state
         rate = self._momentum_rate.step(momentum, dt)
-        shift = (1.0 + self._convergence / omega) * (old.dcm - dcm_plan + omega * momentum)
+        shift = (1.0 + convergence / omega) * (old.dcm - dcm_plan + omega * momentum)
         distance = math.hypot(shift[0], shift[1])
         if distance > reach:
             shift = shift * (reach / distance)

@@ -152,9 +152,7 @@ def _phase(entry: Any, number: int) -> Phase:
     if support not in SUPPORTS:
         raise ConfigurationError(f"phase '{name}': support = {support!r}: valid: {', '.join(SUPPORTS)}")
     share = _number(entry.get("share"), f"phase '{name}': share")
-    return Phase(
-        name, support == "single", share, tuple(_primitive(p, name) for p in entry["primitives"])
-    )
+    return Phase(name, support == "single", share, tuple(_primitive(p, name) for p in entry["primitives"]))
 
 
 def _primitive(entry: Any, phase: str) -> Primitive:
@@ -179,6 +177,8 @@ def _number(value: Any, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ConfigurationError(f"{where} = {value!r}: needs a number")
     if abs(value) > _LARGEST_NUMBER:  # what is no number at all is told by whoever uses it
-        raise ConfigurationError(f"{where} = {value if isinstance(value, float) else 'a whole number'}: "
-                                 f"needs a number up to {_LARGEST_NUMBER:g}")
+        raise ConfigurationError(
+            f"{where} = {value if isinstance(value, float) else 'a whole number'}: "
+            f"needs a number up to {_LARGEST_NUMBER:g}"
+        )
     return float(value)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Gait, Side
-from follower_humanoid.gait.capture import shifted
+from follower_humanoid.gait.capture import Capture, SwingOutlook, shifted
 from follower_humanoid.gait.channel import ConstantSpeedChannel
 from follower_humanoid.gait.feet import (
     FootPose,
@@ -21,49 +20,11 @@ from follower_humanoid.gait.feet import (
     wrap_angle,
 )
 from follower_humanoid.gait.half_step import HalfStep, SwingFoot, phase_zmp_plan
-from follower_humanoid.gait.preview import ZmpLeg
 from follower_humanoid.gait.primitives import StepContext
 from follower_humanoid.gait.sequence import Sequence
+from follower_humanoid.gait.walk_plan import Plan, WalkerConfig
 
 TOGETHER = 0.03  # feet closer than this to their places side by side stand together [m], [rad/3]
-
-
-@dataclass(frozen=True)
-class WalkerConfig:
-    """Timing and the choices between two half-steps."""
-
-    half_step_time: float = parameter(3.1, "nominal half-step time (walk_speed = step_length)", "s", 0.3, 10)
-    shortest_half_step: float = parameter(0.4, "no half-step is made faster than this", "s", 0.2, 3)
-    swing_height: float = parameter(
-        0.05, "nominal height of the swing foot (step_height = 1)", "m", 0.01, 0.2
-    )
-    freeze: float = parameter(0.8, "share of the swing after which the landing place is kept", "", 0.1, 1)
-    stand_forward: float = parameter(0.03, "ZMP of standing ahead of the ankles", "m", -0.05, 0.12)
-    stand_time: float = parameter(1.2, "time to bring the ZMP between the feet", "s", 0.2, 5)
-    first_transfer: float = parameter(0.9, "shortest double support out of standing", "s", 0.0, 5)
-    load_time: float = parameter(0.10, "time over which a foot takes or leaves its load", "s", 0.0, 1)
-    patience: float = parameter(0.15, "longest wait of a foot for the DCM, in half-steps", "", 0, 1)
-    preview: float = parameter(4.0, "how far ahead the ZMP is planned", "s", 1, 10)
-    touchdown_load: float = parameter(30.0, "normal force that counts as contact", "N", 5, 200)
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """What is to come.
-
-    Attributes:
-        zmp: Pieces of the ZMP plan from now on.
-        landing: How many of them pass until the next touchdown.
-        lift_off: How many of them pass until the next lift-off.
-        lifting: The foot that leaves the ground then, where it stands; None when no step follows.
-        footsteps: The coming landing poses.
-    """
-
-    zmp: list[ZmpLeg]
-    landing: int = 0
-    lift_off: int = 0
-    lifting: FootPose | None = None
-    footsteps: tuple[FootPose, ...] = ()
 
 
 class Walker:
@@ -76,6 +37,7 @@ class Walker:
         zmp: Channel of the planned ZMP.
         shares: Share of the weight either foot may take by plan, 0…1.
         shift: Capture shift of the landing, (forward, outward) in axes of the landing foot [m].
+        recovering: Whether a push is being answered: loads change hands faster.
         taken: Footprints in order, each with True if it counts as a half-step.
     """
 
@@ -91,6 +53,7 @@ class Walker:
         # Both yaws on one branch: a swing foot that starts at −π must not turn all round to reach +π.
         right = replace(right, yaw=left.yaw + wrap_angle(right.yaw - left.yaw))
         self.feet = {Side.LEFT: left, Side.RIGHT: right}
+        self.recovering = False
         self.half_step: HalfStep | None = None
         self.landing: FootPose | None = None
         self.zmp = ConstantSpeedChannel(zmp)
@@ -139,36 +102,55 @@ class Walker:
             self._share_load(None, math.inf, dt)
             return None
         context = self._context(half.stance, self.landing, gait, loads)
-        ended = half.advance(context, self.zmp, self._duration(), dt)
+        ended = half.advance(context, self.zmp, self._duration(), dt) or self._touches(half, loads)
         self._share_load(half.swing.side, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
 
+    def _touches(self, half: HalfStep, loads: dict[Side, float]) -> bool:
+        """Whether the swing has met the ground early, when every moment counts."""
+        late = half.swing_progress >= self._config.early_touchdown
+        return self.recovering and late and loads[half.swing.side] > self._config.touchdown_load
+
     def _waits(self, half: HalfStep, steady: bool, dt: float) -> bool:
         """Before its load is taken off, a foot waits for the DCM; not for ever."""
-        if half.single_support or steady or half.until_lift_off() > self._config.load_time:
+        if half.single_support or steady or half.until_lift_off() > self._load_time:
             return False
         half.waited += dt
         return half.waited < self._config.patience * self._duration()
 
-    @property
-    def catching(self) -> bool:
-        """Whether a landing place can still be moved: during the swing until it is frozen."""
+    def outlook(self, plan: Plan) -> SwingOutlook | None:
+        """The swing that runs or comes next, as fast as the walking parameters say; None: nothing to move."""
         half = self.half_step
-        return half is not None and half.single_support and half.swing_progress < self._config.freeze
+        if half is None or self.landing is None or half.swing_progress >= self._config.freeze:
+            return None
+        lead, swing = plan.zmp[: plan.lift_off], plan.zmp[plan.lift_off : plan.landing]
+        if half.single_support:
+            lead, swing = [], plan.zmp[: plan.landing]
+        double = [phase for phase in self._sequence.phases if not phase.single_support]
+        usual = shifted(self.landing, -self.shift)
+        return SwingOutlook(
+            zmp=self.zmp.position,
+            lead=lead,
+            swing=[(target, duration / half.pace) for target, duration in swing],
+            rest=plan.zmp[plan.landing :],
+            transfer=sum(self._sequence.phase_time(phase, self._duration()) for phase in double),
+            moved=self.landing.xy - usual.xy,
+            landing=usual,
+            foot=half.swing.place.position,
+            left=1.0 - half.swing_progress,
+        )
 
-    def landing_times(self) -> tuple[float, float]:
-        """Time to touchdown of the swing, and time of the double support after it [s]."""
-        half, sequence = self.half_step, self._sequence
+    def catch(self, wanted: Capture, outlook: SwingOutlook) -> None:
+        """Moves the landing of the present swing, in place and time."""
+        half = self.half_step
         if half is None:
-            return math.inf, 1.0
-        double = [phase for phase in sequence.phases if not phase.single_support]
-        return half.until_landing(), sum(sequence.phase_time(phase, self._duration()) for phase in double)
-
-    def catch(self, shift: Array, swing_time: float) -> None:
-        """Moves the landing of the present swing and hurries it when it is moved [m], [s]."""
-        self.shift = shift
-        if self.half_step is not None and bool(np.any(shift != 0.0)):
-            self.half_step.hurry(swing_time)
+            return
+        if not half.single_support:
+            if self.recovering and wanted.cost > 0.0:
+                half.transfer_pace = self._config.hurried_transfer
+            return
+        self.shift = wanted.shift
+        half.pace = wanted.time / outlook.time
 
     def anchor(self, side: Side, foot: FootPose) -> None:
         """The foot stands where it is measured, not where it was sent; its yaw stays on the known branch."""
@@ -289,9 +271,14 @@ class Walker:
             touchdown_load=self._config.touchdown_load,
         )  # fmt: skip
 
+    @property
+    def _load_time(self) -> float:
+        config = self._config
+        return config.hurried_load_time if self.recovering else config.load_time
+
     def _share_load(self, leaving: Side | None, until_lift: float, dt: float) -> None:
         """A foot takes and leaves its load over `load_time`; in the air it has none."""
-        ramp = max(self._config.load_time, dt)
+        ramp = max(self._load_time, dt)
         for side in SIDES:
             goal = 0.0 if side is leaving and until_lift <= ramp else 1.0
             change = min(max(goal - self.shares[side], -dt / ramp), dt / ramp)

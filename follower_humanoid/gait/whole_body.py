@@ -14,7 +14,8 @@ from follower_humanoid.gait.feet import FootPose
 from follower_humanoid.gait.pelvis_height import PelvisConfig, PelvisHeight, Reach
 from follower_humanoid.gait.pendulum import PendulumState
 from follower_humanoid.gait.preview import com_after
-from follower_humanoid.gait.walker import Plan, Walker
+from follower_humanoid.gait.walk_plan import Plan
+from follower_humanoid.gait.walker import Walker
 from follower_humanoid.robot.model import BASE_DOF, RobotModel
 
 

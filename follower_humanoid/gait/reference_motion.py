@@ -1,0 +1,108 @@
+"""The reference motion: walker, pendulum and body tick by tick, and what they do about a DCM off its plan."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from follower_humanoid.balance.support_polygon import convex_hull, polygon_margin
+from follower_humanoid.core.samples import Array, Gait, Side
+from follower_humanoid.gait.capture import capture
+from follower_humanoid.gait.feet import FootPose
+from follower_humanoid.gait.motion_config import CompositionConfig
+from follower_humanoid.gait.pendulum import ReferencePendulum, momentum_shift, natural_frequency
+from follower_humanoid.gait.preview import planned_dcm
+from follower_humanoid.gait.sequence import Sequence
+from follower_humanoid.gait.walk_plan import Plan
+from follower_humanoid.gait.walker import Walker
+from follower_humanoid.gait.whole_body import ReferenceBody
+from follower_humanoid.robot.model import RobotModel
+
+HEEL_TOE, EDGES = (-0.06, 0.14), (-0.045, 0.045)  # what a sole can use, from its origin [m]
+HELD = 0.02  # a DCM this far inside the feet can be held by the ZMP [m]
+RECOVERED = 0.5  # recovery ends when the DCM error is below this part of what began it
+
+
+class ReferenceMotion:
+    """Walker, pendulum and body that move together, tick by tick.
+
+    Attributes:
+        walker: Half-steps and plan.
+        pendulum: Reference CoM, DCM, ZMP.
+        body: Reference configuration.
+        steady: False while a foot had better not leave the ground.
+    """
+
+    def __init__(
+        self,
+        config: CompositionConfig,
+        robot: RobotModel,
+        sequence: Sequence,
+        feet: dict[Side, FootPose],
+        q: Array,
+    ) -> None:
+        """Starts at rest in the measured configuration q, shape (52,), on the measured feet."""  # fmt: skip
+        self._config = config
+        self._mass = robot.mass
+        self.body = ReferenceBody(config.body, robot, q)
+        com = self.body.ik.com[:2]
+        self.walker = Walker(config.walker, config.footsteps, sequence, feet, com)
+        self.pendulum = ReferencePendulum(com)
+        self.steady = True
+
+    def advance(self, gait: Gait, dcm: Array | None, dt: float) -> tuple[FootPose, ...]:
+        """One tick after the walker's.
+
+        Args:
+            gait: Walking parameters.
+            dcm: Measured, in world, shape (2,) [m]; None before the first.
+            dt: Tick [s].
+
+        Returns:
+            The coming footsteps.
+        """
+        config, walker, ik = self._config, self.walker, self.body.ik
+        plan = walker.plan_ahead(gait)
+        omega = natural_frequency(float(ik.com[2]))
+        momentum = momentum_shift(ik.angular_momentum, self._mass)
+        dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, config.walker.preview)
+        if dcm is not None and config.capture.enabled:
+            self._recover(dcm, dcm_plan - omega * momentum)
+            self._catch(dcm + omega * momentum, plan, omega)
+        double = walker.swinging is None
+        rate, reach = config.dcm_convergence, config.zmp_reach_double if double else config.zmp_reach
+        if self.walker.recovering:
+            rate = config.recovery_convergence
+            reach = config.recovery_reach_double if double else config.recovery_reach
+        self.pendulum.advance(walker.zmp.position, dcm_plan, momentum, omega, rate, reach, dt)
+        self.body.advance(walker, plan, self.pendulum.state, omega, config.walker.preview, dt)
+        return plan.footsteps
+
+    def _recover(self, dcm: Array, wanted: Array) -> None:
+        """Too far off, the reference follows reality: it starts from the measured DCM until on plan."""
+        limit = self._config.capture.take_over
+        if math.dist(dcm, self.pendulum.state.dcm) > limit:
+            self.walker.recovering = True
+        elif math.dist(dcm, wanted) < RECOVERED * limit:
+            self.walker.recovering = False
+        if self.walker.recovering:
+            self.pendulum.take_over(dcm)
+
+    def _catch(self, dcm: Array, plan: Plan, omega: float) -> None:
+        """Place and time of the present landing; before it, whether the foot may lift off."""
+        config, walker = self._config.capture, self.walker
+        self.steady = True
+        outlook = walker.outlook(plan)
+        if outlook is None:
+            return
+        wanted = capture(dcm, outlook, omega, config)
+        walker.catch(wanted, outlook)
+        self.steady = wanted.offset < config.lift_off or not self._held_by_feet(dcm)
+        if np.any(wanted.shift != 0.0) and not outlook.lead:
+            self.walker.recovering = True
+
+    def _held_by_feet(self, dcm: Array) -> bool:
+        """Whether the feet on the ground can hold the DCM where it is."""
+        corners = [foot.point(x, y) for foot in self.walker.feet.values() for x in HEEL_TOE for y in EDGES]
+        return polygon_margin(convex_hull(np.array(corners)), dcm) > HELD
