@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from follower_humanoid.balance.zmp import convex_hull, polygon_margin
+from follower_humanoid.balance.support_polygon import convex_hull, polygon_margin
 from follower_humanoid.core.samples import Array, Footstep
 
 
