@@ -107,8 +107,8 @@ def test_every_node_uses_what_the_wiring_says(node):
             assert value == (used if used >= 0 else None)
 
 
-def without(name):
-    return EVERYONE - {name}
+def without(*names):
+    return EVERYONE - set(names)
 
 
 def test_a_stranger_that_keeps_the_ticks_is_waited_for():
@@ -219,8 +219,17 @@ def test_held_motor_commands_become_missing_so_that_the_drives_hold():
     assert walk(lock, 5, "arms/command") == ["volts"] * 4 + [None]
 
 
+def test_nobody_waits_for_what_a_stranger_need_not_publish():
+    lock = LockStep(NODES["gait_mapping"], without("arm_controller"))
+    assert lock.take()["arms/mode"] is None
+    feed(lock, "left_hand/wrench", [4])
+    assert feed(lock, "right_hand/wrench", [4]) == [True]
+    lock.put("arms/mode", None, "led")
+    assert lock.take()["arms/mode"] == "led"
+
+
 def test_a_node_that_hears_strangers_only_keeps_the_pace_of_the_clock():
-    lock = LockStep(NODES["gait_mapping"], without("wrench_sensing"))
+    lock = LockStep(NODES["gait_mapping"], without("wrench_sensing", "arm_controller"))
     for topic in lock.topics:
         if topic != CLOCK:
             lock.put(topic, None, "pull")

@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from follower_humanoid.core.samples import Gait, Wrench
+from follower_humanoid.control.arm_modes import COMPENSATION, IMPEDANCE
+from follower_humanoid.core.samples import Gait, PrimitiveStates, Wrench
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.gait.mapping import GaitMapping, GaitMappingConfig, intensity_factor, shortest_turn
+from follower_humanoid.graph.simulate import simulate
 from follower_humanoid.robot.model import RobotModel
 
 PERIOD = 0.01
@@ -160,3 +162,39 @@ def test_without_both_wrenches_the_robot_stands(robot: RobotModel) -> None:
 def test_thresholds_without_a_gap_are_refused() -> None:
     with pytest.raises(ConfigurationError, match=r"stop_force = 0\.8: needs to be below start_force = 0\.7"):
         GaitMappingConfig(stop_force=0.8)
+
+
+def modes(left: str, right: str) -> PrimitiveStates:
+    return PrimitiveStates((f"left_hand/{left}", f"right_hand/{right}"), (1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("arms", "walks"),
+    [
+        (None, True),
+        (modes(IMPEDANCE, IMPEDANCE), True),
+        (modes(COMPENSATION, IMPEDANCE), False),
+        (modes(IMPEDANCE, COMPENSATION), True),
+        (modes(COMPENSATION, COMPENSATION), False),
+    ],
+)
+def test_a_hand_that_is_led_does_not_call_for_a_walk(
+    robot: RobotModel, arms: PrimitiveStates | None, walks: bool
+) -> None:
+    component = mapping(robot)
+    gaits = [component.step(GaitMapping.Inputs(pull(5, 2), ZERO, arms), k * PERIOD).gait for k in range(300)]
+    assert (gaits[-1].walk_speed > 0.0) == walks
+
+
+def test_leading_a_hand_sideways_moves_the_hand_and_not_the_feet() -> None:
+    lead = Wrench(np.array([0.0, 9.0, 0.0]), np.zeros(3))
+
+    def led(topic: str, tick: int, sample: object) -> object:
+        return lead if topic == "leader/left_hand/wrench" and tick >= 100 else sample
+
+    steps = {}
+    for mode in (IMPEDANCE, COMPENSATION):
+        run = simulate("fig4", 1.6, {"arm_controller": {"mode": mode}}, interference=led)
+        steps[mode] = max(run["gait"].walk_speed)
+    assert steps[IMPEDANCE] > 0.0
+    assert steps[COMPENSATION] == 0.0

@@ -35,7 +35,6 @@ EVERY_MESSAGE = frozenset(
         "left_hand/contact",
         "right_hand/contact",
         "left_hand/target",
-        "arms/mode",
         "legs/command",
         "arms/command",
         "zmp",

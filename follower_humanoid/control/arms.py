@@ -84,11 +84,11 @@ class ArmControllerOutputs:
 
     Attributes:
         command: Motor voltages [V] as effort, with the references q_d, q̇_d they were computed for.
-        mode: Which hand is in which mode, at the first tick and when it changes.
+        mode: Which hand is in which mode.
     """
 
     command: Joints
-    mode: PrimitiveStates | None
+    mode: PrimitiveStates
 
 
 class ArmController:
@@ -117,6 +117,7 @@ class ArmController:
         self._upper = (robot.upper[self._arms] - config.stop_margin).reshape(2, 7)
         self._reference_acceleration = LowPass(config.reference_filter_time, period)
         self._switch = ModeSwitch(period)
+        self._modes = self._mode_report()
         self._blend = Blend(config.blend_time, period)
         self._reference: HandReference | None = None
 
@@ -131,7 +132,6 @@ class ArmController:
         hands = self._kinematics.motion(q, v)
         position = inputs.joints.position[self._arms].reshape(2, 7)
         velocity = inputs.joints.velocity[self._arms].reshape(2, 7)
-        first = self._reference is None
         reference = self._reference = self._reference or self._first_reference(hands, position)
         inverse = task_inverse(hands.jacobian, self._config.singular_threshold, self._config.singular_damping)
         wrenches = (inputs.left_hand or _NO_WRENCH, inputs.right_hand or _NO_WRENCH)
@@ -143,6 +143,8 @@ class ArmController:
             )  # fmt: skip
         self._choose_modes(felt)
         switch = self._switch
+        if switch.switched:
+            self._modes = self._mode_report()
         reference.receive((inputs.left_target, inputs.right_target))
         reference.glide(switch.yielding)
         if switch.anybody:
@@ -171,7 +173,7 @@ class ArmController:
         saturated.reshape(2, 7).any(axis=1, out=reference.saturated)
         return ArmControllerOutputs(
             Joints(held.ravel(), desired_velocity.ravel(), voltage),
-            self._mode_report() if first or switch.switched else None,
+            self._modes,
         )
 
     def _first_reference(self, hands: HandMotion, position: Array) -> HandReference:

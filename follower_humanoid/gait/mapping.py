@@ -1,7 +1,8 @@
 """Walking parameters from the pull on the hands: corrected eqs. (19), (20) with a start/stop rule.
 
 The pulls on both hands add as vectors; their horizontal part F (axes of world) tells direction and
-intensity. Eq. (20) alone never stops, so walking starts when |F| stays above one threshold and stops
+intensity. A hand that the arm controller lets be led is moved by its pull, which then does not call
+for a walk. Eq. (20) alone never stops, so walking starts when |F| stays above one threshold and stops
 when it stays below a lower one.
 """
 
@@ -10,8 +11,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from follower_humanoid.control.arm_modes import COMPENSATION
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import Gait, Wrench
+from follower_humanoid.core.samples import Array, Gait, PrimitiveStates, Wrench
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.sensing.low_pass import LowPass
@@ -54,10 +58,14 @@ class GaitMappingConfig:
 
 @dataclass(frozen=True)
 class GaitMappingInputs:
-    """External wrenches on the hands, axes of world; None before the first is measured."""
+    """External wrenches on the hands, axes of world; None before the first is measured.
+
+    `arms` names the mode of each hand; None: nobody said that one is led.
+    """
 
     left_hand: Wrench | None
     right_hand: Wrench | None
+    arms: PrimitiveStates | None = None
 
 
 @dataclass(frozen=True)
@@ -86,6 +94,16 @@ def shortest_turn(start: float, goal: float) -> float:
     return math.pi if turn == -math.pi else turn
 
 
+def _calling_force(left: Wrench, right: Wrench, arms: PrimitiveStates | None) -> Array:
+    """Horizontal force of the hands that are not led, shape (2,) [N]."""
+    led = () if arms is None else arms.names
+    force = np.zeros(2)
+    for side, hand in (("left", left), ("right", right)):
+        if f"{side}_hand/{COMPENSATION}" not in led:
+            force += hand.force[:2]
+    return force
+
+
 class GaitMapping:
     """Component: hand wrenches in, walking parameters out.
 
@@ -110,7 +128,7 @@ class GaitMapping:
         if inputs.left_hand is None or inputs.right_hand is None:
             return GaitMappingOutputs(self._gait(walk_speed=0.0, step_length=1.0))
         config = self._config
-        x, y = self._filter.step(inputs.left_hand.force[:2] + inputs.right_hand.force[:2])
+        x, y = self._filter.step(_calling_force(inputs.left_hand, inputs.right_hand, inputs.arms))
         force = math.hypot(x, y)
         self._start_or_stop(force)
         factor = intensity_factor(force, config.saturation, config.divisor)

@@ -15,7 +15,14 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
-from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, NodeWiring, used_tick
+from follower_humanoid.graph.wiring import (
+    PRODUCER,
+    SIMULATOR,
+    NodeWiring,
+    is_optional,
+    is_same_tick,
+    used_tick,
+)
 
 CLOCK = "clock"
 STALE = 0.5  # simulated time for which a stranger's newest message is held [s]
@@ -108,7 +115,10 @@ class LockStep:
     @staticmethod
     def _input(topic: str, present: Collection[str]) -> _Input:
         producer = PRODUCER[topic]
-        return _Input(topic, producer.name, producer.period, producer.same_tick, producer.name not in present)
+        foreign = producer.name not in present
+        made = _Input(topic, producer.name, producer.period, is_same_tick(topic), foreign)
+        made.held = foreign and is_optional(topic)
+        return made
 
     @property
     def topics(self) -> tuple[str, ...]:

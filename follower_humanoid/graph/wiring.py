@@ -41,8 +41,10 @@ class NodeWiring:
         period: Control ticks between two steps.
         inputs: Field of `Inputs` → topic.
         outputs: Field of `Outputs` → topic.
-        same_tick: True where the outputs of tick k are used at tick k (motor commands);
+        same_tick: True where the outputs of tick k are used at tick k (state, motor commands);
             all others are used from the node's next period on.
+        later: Topics of such a node that are used from the next tick on all the same; who takes its
+            place need not publish them.
     """
 
     name: str
@@ -51,6 +53,7 @@ class NodeWiring:
     inputs: dict[str, str] = field(default_factory=dict)
     outputs: dict[str, str] = field(default_factory=dict)
     same_tick: bool = False
+    later: tuple[str, ...] = ()
 
     def component_class(self) -> Any:
         """Imports the component's class."""
@@ -107,7 +110,7 @@ WIRING: tuple[NodeWiring, ...] = (
         "gait_mapping",
         "gait.mapping:GaitMapping",
         period=5,
-        inputs=_HANDS,
+        inputs={**_HANDS, "arms": "arms/mode"},
         outputs={"gait": "gait"},
     ),
     NodeWiring(
@@ -168,6 +171,7 @@ WIRING: tuple[NodeWiring, ...] = (
         inputs={**_BODY_STATE, "imu": "imu", **_HANDS},
         outputs={"command": "arms/command", "mode": "arms/mode"},
         same_tick=True,
+        later=("arms/mode",),
     ),
 )
 
@@ -208,6 +212,17 @@ def node_wiring(name: str, present: Collection[str] = ()) -> NodeWiring:
     return table[name]
 
 
+def is_same_tick(topic: str) -> bool:
+    """Whether what is published for a tick is used at that tick: state and motor commands."""
+    producer = PRODUCER[topic]
+    return producer.same_tick and topic not in producer.later
+
+
+def is_optional(topic: str) -> bool:
+    """Whether somebody's own node in the place of ours may leave a topic out."""
+    return topic in PRODUCER[topic].later
+
+
 def used_tick(tick: int, topic: str) -> int:
     """The tick whose message on `topic` is used at `tick`; negative: none yet.
 
@@ -216,7 +231,7 @@ def used_tick(tick: int, topic: str) -> int:
     """
     if topic not in TOPICS:
         raise UnknownNameError("topic", topic, TOPICS)
-    producer = PRODUCER[topic]
-    if producer.same_tick:
+    if is_same_tick(topic):
         return tick
+    producer = PRODUCER[topic]
     return (tick // producer.period - 1) * producer.period

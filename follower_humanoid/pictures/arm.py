@@ -117,9 +117,6 @@ def _led_times(run: Run) -> list[tuple[float, float]]:
         return []
     series = run["arms/mode"]
     led = [any(COMPENSATION in name and name.startswith("left") for name in s.names) for s in series.samples]
-    ends: Array = np.append(series.times[1:], run.duration)
-    return [
-        (float(begin), float(end))
-        for begin, end, is_led in zip(series.times, ends, led, strict=True)
-        if is_led
-    ]
+    change: Array = np.diff(np.array([False, *led, False]).astype(np.int8))
+    times: Array = np.append(series.times, run.duration)
+    return list(zip(times[change == 1].tolist(), times[change == -1].tolist(), strict=True))

@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, UInt8MultiArray
 
 from follower_humanoid.graph.lockstep import CLOCK
-from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, nodes_with
+from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nodes_with
 from follower_humanoid.ros.barrier import Barrier
 from follower_humanoid.ros.codecs import Codec, stamp_of
 from follower_humanoid.ros.envelope import Envelope, envelope_topic
@@ -78,7 +78,8 @@ class Inlet:
                 continue
             receive = partial(self._receive, topic, codecs[topic].decode)
             subscription = node.make_subscription(codecs[topic].message_type, topic, receive)
-            barrier.watch_stranger(subscription, PRODUCER[topic].name)
+            if not is_optional(topic):
+                barrier.watch_stranger(subscription, PRODUCER[topic].name)
         if self._by_topic:
             node.make_subscription(Header, ABSENT, self._receive_absent)
 
