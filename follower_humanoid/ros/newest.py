@@ -71,8 +71,8 @@ class Newest:
         return moved
 
     def forget(self) -> None:
-        """As if nothing had been seen."""
-        self.samples, self.stamp = {}, -1
+        """Drops what is no longer new."""
+        self.samples = {}
 
 
 def _take(subscription: Any) -> bytes | None:

@@ -28,13 +28,12 @@ from follower_humanoid.viewer.skeleton import Skeleton
 from follower_humanoid.viewer.speedometer import Speedometer
 from follower_humanoid.viewer.tape import SHOWN
 
-_UNWATCHED = 0.25  # wall time between two looks while no page is open [s]
 _PUSHING = 0.005  # wall time between two looks at the clock during a push [s]
 _MISSING = 3.0  # wall time without diagnostics after which a node counts as missing [s]
 
 
 class ViewerNode(ManagedNode):
-    """Looks at the graph some thirty times a second, less often while nobody looks at the page."""
+    """Looks at the graph some thirty times a second, while somebody looks at the page."""
 
     _newest: Newest | None = None
 
@@ -51,7 +50,7 @@ class ViewerNode(ManagedNode):
         self._page: Page | None = None
         self._reports: dict[str, dict[str, str]] = {}
         self._heard: dict[str, float] = {}
-        self._begun = self._looked = self._moved = time.monotonic()
+        self._begun = self._moved = time.monotonic()
         self._frames = 0
         self._timer = self.create_timer(1.0 / self.config.rate, self._visit, clock=self._wall)
         self._timer.cancel()
@@ -73,7 +72,6 @@ class ViewerNode(ManagedNode):
         self._listener = self.create_subscription(DiagnosticArray, "/diagnostics", self._hear, DIAGNOSTICS)
         self._page = Page(self.config, Skeleton(robot.urdf), self._push_asked, self._reset_asked)
         print(f"viewer: {self._page.address}", file=sys.stderr, flush=True)
-        self._newest.listen()
 
     def start(self) -> None:
         """Begins to look."""
@@ -112,20 +110,31 @@ class ViewerNode(ManagedNode):
             self._orders.get()()
         page, newest = self._page, self._newest
         now = time.monotonic()
-        if page is None or newest is None or (not page.watched and now - self._looked < _UNWATCHED):
+        if page is None or newest is None:
             return
-        self._looked = now
+        if not self._needed(page, newest):
+            self._leading.pull({}, self.stamp)
+            return
         before = newest.stamp
         if newest.look("joint_states"):
             self._moved = now
             if newest.stamp < before:  # another run
                 self._trail.forget()
         moment = self._moment(now)
-        trail = self._trail.add(moment)
-        if page.watched:
-            page.show(moment, trail)
-            self._frames += 1
+        page.show(moment, self._trail.add(moment))
+        self._frames += 1
         self._leading.pull(page.forces(), self.stamp)
+
+    def _needed(self, page: Page, newest: Newest) -> bool:
+        """Whether anybody looks; who publishes is not troubled while nobody does."""
+        watched = page.watched
+        if watched and not newest.listening:
+            newest.listen()
+            self._moved = time.monotonic()
+        elif not watched and newest.listening:
+            newest.close()
+            newest.forget()
+        return watched
 
     def _moment(self, now: float) -> Moment:
         samples = dict(self._newest.samples) if self._newest is not None else {}

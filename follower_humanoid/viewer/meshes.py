@@ -1,54 +1,100 @@
-"""Triangle meshes for the robot's visuals: boxes and cylinders with rounded edges, in link frames."""
+"""Shapes of the scene as triangles: the robot's visuals are scaled copies of three of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from follower_humanoid.core.samples import Array
 from follower_humanoid.pictures.shapes import Shape, visual_shapes
 
 _AROUND, _UP = 20, 10  # facets of a ball; multiples of 4 and 2, so that no vertex lies on a coordinate plane
-_ROUNDING = 0.32  # radius of a rounded edge, of the shortest edge
+_ROUNDING = 0.16  # of a rounded edge, part of the box's edges or the cylinder's length
 
-Faces = NDArray[np.int64]
+Mesh = tuple[Array, NDArray[np.int64]]
+"""Vertices, shape (n, 3), and faces, shape (m, 3): corners counter-clockwise seen from outside."""
 
 
 @dataclass(frozen=True)
-class LinkMesh:
-    """All visuals of one colour of a link.
+class Copies:
+    """All visuals of one kind.
 
     Attributes:
-        link: Name of the link.
-        color: Red, green, blue, 0…255.
-        vertices: In the link frame, shape (n, 3) [m].
-        faces: Corners counter-clockwise seen from outside, shape (m, 3).
+        mesh: What is copied, with edges or a diameter and length of 1.
+        links: Link of each copy.
+        positions: In the link frame, shape (n, 3) [m].
+        rotations: Copy to link as quaternions (w, x, y, z), shape (n, 4).
+        scales: Along the axes of the copy, shape (n, 3) [m].
+        colors: Red, green, blue, 0…255, shape (n, 3).
     """
 
-    link: str
-    color: tuple[int, int, int]
-    vertices: Array
-    faces: Faces
+    mesh: Mesh
+    links: tuple[str, ...]
+    positions: Array
+    rotations: Array
+    scales: Array
+    colors: NDArray[np.uint8]
 
 
-def link_meshes(urdf: str) -> list[LinkMesh]:
-    """The visuals of a URDF, one mesh per link and colour.
+def copies(urdf: str) -> dict[str, Copies]:
+    """The visuals of a URDF by kind.
 
     Raises:
         ConfigurationError: Not well-formed.
     """
-    groups: dict[tuple[str, tuple[int, int, int]], list[tuple[Array, Faces]]] = {}
+    by_kind: dict[str, list[Shape]] = {}
     for shape in visual_shapes(urdf):
-        red, green, blue = (round(255 * part) for part in shape.color)
-        groups.setdefault((shape.link, (red, green, blue)), []).append(_mesh(shape))
-    return [LinkMesh(link, color, *_joined(parts)) for (link, color), parts in groups.items()]
+        by_kind.setdefault(shape.kind, []).append(shape)
+    return {kind: _copies(kind, shapes) for kind, shapes in by_kind.items()}
 
 
-def disc(radius: float, corners: int = 24) -> tuple[Array, Faces]:
-    """A flat disc in the x–y plane, seen from above: vertices and faces."""
+def _copies(kind: str, shapes: list[Shape]) -> Copies:
+    points, faces = ball()
+    if kind == "box":
+        points = np.sign(points) * (0.5 - _ROUNDING) + _ROUNDING * points
+    elif kind == "cylinder":
+        upright = np.sign(points[:, 2]) * (0.5 - _ROUNDING) + _ROUNDING * points[:, 2]
+        points = np.column_stack((0.5 * points[:, :2], upright))
+    else:
+        points = 0.5 * points
+    quats = np.array([pin.Quaternion(shape.rotation).coeffs() for shape in shapes])
+    return Copies(
+        mesh=(points, faces),
+        links=tuple(shape.link for shape in shapes),
+        positions=np.array([shape.position for shape in shapes]),
+        rotations=quats[:, [3, 0, 1, 2]],
+        scales=np.array([_edges(shape) for shape in shapes]),
+        colors=np.array([np.round(255 * np.array(shape.color)) for shape in shapes], dtype=np.uint8),
+    )
+
+
+def _edges(shape: Shape) -> tuple[float, float, float]:
+    """Size of a shape along its axes [m]."""
+    first, second, _ = shape.size
+    if shape.kind == "cylinder":
+        return 2 * first, 2 * first, second
+    return (2 * first, 2 * first, 2 * first) if shape.kind == "sphere" else shape.size
+
+
+def carried(positions: Array, wxyz: Array, local_positions: Array, local_wxyz: Array) -> tuple[Array, Array]:
+    """Poses within frames, carried into world: positions and quaternions, shapes (n, 3) and (n, 4).
+
+    Args:
+        positions, wxyz: The frames in world, shapes (n, 3) [m] and (n, 4).
+        local_positions, local_wxyz: The poses within them.
+    """
+    w, v = wxyz[:, :1], wxyz[:, 1:]
+    turned = local_positions + 2.0 * np.cross(v, np.cross(v, local_positions) + w * local_positions)
+    lw, lv = local_wxyz[:, :1], local_wxyz[:, 1:]
+    real = w * lw - np.sum(v * lv, axis=1, keepdims=True)
+    return positions + turned, np.hstack((real, w * lv + lw * v + np.cross(v, lv)))
+
+
+def disc(radius: float, corners: int = 24) -> Mesh:
+    """A flat disc in the x–y plane, seen from above; radius in [m]."""
     angles = 2.0 * np.pi * np.arange(corners) / corners
     rim = radius * np.column_stack((np.cos(angles), np.sin(angles), np.zeros(corners)))
     around = np.arange(corners)
@@ -56,31 +102,14 @@ def disc(radius: float, corners: int = 24) -> tuple[Array, Faces]:
     return np.vstack((rim, np.zeros(3))), faces
 
 
-def fan(corners: int) -> Faces:
+def fan(corners: int) -> NDArray[np.int64]:
     """Faces of a convex polygon whose vertices come in order."""
     second = np.arange(1, corners - 1)
     return np.column_stack((np.zeros_like(second), second, second + 1))
 
 
-def _mesh(shape: Shape) -> tuple[Array, Faces]:
-    points, faces = _ball()
-    if shape.kind == "box":
-        half = 0.5 * np.array(shape.size)
-        radius = 2.0 * _ROUNDING * float(half.min())
-        points = np.sign(points) * (half - radius) + radius * points
-    elif shape.kind == "cylinder":
-        radius, length, _ = shape.size
-        edge = min(radius, 0.5 * length)
-        points = np.column_stack(
-            (radius * points[:, :2], np.sign(points[:, 2]) * (0.5 * length - edge) + edge * points[:, 2])
-        )
-    else:
-        points = shape.size[0] * points
-    return points @ shape.rotation.T + np.array(shape.position), faces
-
-
-def _ball() -> tuple[Array, Faces]:
-    """The unit ball; no vertex but the poles lies on a coordinate plane."""
+def ball() -> Mesh:
+    """The ball of radius 1; no vertex but the poles lies on a coordinate plane."""
     polar = np.pi * (np.arange(_UP) + 0.5) / _UP
     around = 2.0 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND
     ring = np.column_stack((np.cos(around), np.sin(around)))
@@ -96,14 +125,3 @@ def _ball() -> tuple[Array, Faces]:
     last = (_UP - 1) * _AROUND
     faces.append(np.column_stack((np.full(_AROUND, bottom), last + following, last + this)))
     return points, np.vstack(faces)
-
-
-def _joined(parts: Iterable[tuple[Array, Faces]]) -> tuple[Array, Faces]:
-    vertices: list[Array] = []
-    faces: list[Faces] = []
-    count = 0
-    for points, corners in parts:
-        vertices.append(points)
-        faces.append(corners + count)
-        count += len(points)
-    return np.vstack(vertices), np.vstack(faces)

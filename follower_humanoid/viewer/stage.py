@@ -22,11 +22,11 @@ from follower_humanoid.pictures.palette import (
     SIDE_COLORS,
     ZMP,
 )
-from follower_humanoid.viewer.meshes import disc, fan, link_meshes
+from follower_humanoid.viewer.figure import Figure
+from follower_humanoid.viewer.meshes import disc, fan
 from follower_humanoid.viewer.moment import Moment, Trail
 from follower_humanoid.viewer.skeleton import Skeleton
 
-ROBOT = "/world/robot"
 _CORNERS = 12  # of a support polygon: two feet of six points
 _POINTS = {"com": (PCM, 0.030), "zmp": (ZMP, 0.022), "dcm": (DCM, 0.026)}
 _NOTHING = 0.05  # a shorter arrow is not drawn [m]
@@ -49,15 +49,14 @@ class Stage:
         self._outlines = {side: skeleton.sole_outline(side) for side in SIDES}
         self._world = scene.add_frame("/world", show_axes=False)
         self._lay_ground()
-        self._links: dict[str, Any] = {}
-        self._build_robot()
+        self._figure = Figure(scene, "/world/robot", skeleton)
         self._points = {name: self._add_point(name, *look) for name, look in _POINTS.items()}
         self._polygon = self._add_polygon()
         self._hand_arrows = self._add_arrows("hands", FORCE, 0.012)
         self._foot_arrows = self._add_arrows("feet", PCM, 0.010)
         self._trail: Trail | None = None
         self._footsteps: Footsteps | None = None
-        self._pose_links()
+        self._lines = self._add_all_lines()
 
     @property
     def skeleton(self) -> Skeleton:
@@ -74,7 +73,7 @@ class Stage:
         if moment.has_robot:
             base = moment["odom"].position
             self._skeleton.place(moment["odom"], moment["joint_states"])
-            self._pose_links()
+            self._figure.move()
             self._world.position = (-base[0], -base[1], 0.0) if follow else (0.0, 0.0, 0.0)
         self._draw_points(moment)
         self._draw_forces(moment)
@@ -92,18 +91,6 @@ class Stage:
             fade_strength=1.5,
             shadow_opacity=0.25,
         )
-
-    def _build_robot(self) -> None:
-        for number, mesh in enumerate(link_meshes(self._skeleton.urdf)):
-            if mesh.link not in self._links:
-                self._links[mesh.link] = self._scene.add_frame(f"{ROBOT}/{mesh.link}", show_axes=False)
-            self._scene.add_mesh_simple(
-                f"{ROBOT}/{mesh.link}/visual_{number}", mesh.vertices, mesh.faces, color=mesh.color
-            )
-
-    def _pose_links(self) -> None:
-        for name, frame in self._links.items():
-            frame.position, frame.wxyz = self._skeleton.pose_wxyz(name)
 
     def _add_point(self, name: str, color: str, radius: float) -> Any:
         vertices, faces = disc(radius)
@@ -181,26 +168,37 @@ class Stage:
             self._footsteps = footsteps
             planned = [step for step in footsteps.steps if not step.taken]
             for side in SIDES:
-                self._add_outlines("planned", side, planned, 0.006)
+                self._draw_outlines(f"planned_{side.value}", side, planned)
 
     def _draw_trail(self, trail: Trail) -> None:
         for side in SIDES:
-            self._add_outlines("taken", side, trail.prints, 0.014)
+            self._draw_outlines(f"taken_{side.value}", side, trail.prints)
         path = trail.path.copy()
         path[:, 2] = _TRAIL
         segments = np.stack((path[:-1], path[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
-        self._add_lines("/world/trail", segments, PCM, 0.012)
+        self._draw_lines("trail", segments)
 
-    def _add_outlines(self, kind: str, side: Side, steps: Sequence[Footstep], thickness: float) -> None:
-        """Footprints as lines: thick where a foot stood, thin where one is planned."""
+    def _draw_outlines(self, name: str, side: Side, steps: Sequence[Footstep]) -> None:
         segments = [self._outline(step) for step in steps if step.side is side]
-        found = np.vstack(segments) if segments else np.zeros((0, 2, 3))
-        self._add_lines(f"/world/footsteps/{kind}_{side.value}", found, SIDE_COLORS[side], thickness)
+        self._draw_lines(name, np.vstack(segments) if segments else np.zeros((0, 2, 3)))
 
-    def _add_lines(self, path: str, segments: Array, color: str, thickness: float) -> None:
-        if not len(segments):
-            segments = np.full((1, 2, 3), -100.0)  # far below: lines cannot be empty
-        self._scene.add_line_segments(path, segments, rgb(color), thickness=thickness)
+    def _draw_lines(self, name: str, segments: Array) -> None:
+        self._lines[name].visible = bool(len(segments))
+        if len(segments):
+            self._lines[name].points = segments.astype(np.float32)
+
+    def _add_all_lines(self) -> dict[str, Any]:
+        """Thick where a foot stood, thin where a step is planned."""
+        looks = {"trail": (PCM, 0.012)}
+        for side in SIDES:
+            looks[f"taken_{side.value}"] = (SIDE_COLORS[side], 0.014)
+            looks[f"planned_{side.value}"] = (SIDE_COLORS[side], 0.006)
+        return {
+            name: self._scene.add_line_segments(
+                f"/world/footsteps/{name}", np.zeros((1, 2, 3)), rgb(color), thickness=width, visible=False
+            )
+            for name, (color, width) in looks.items()
+        }
 
     def _outline(self, step: Footstep) -> Array:
         """Edges of a footprint on the ground, shape (6, 2, 3) [m]."""
