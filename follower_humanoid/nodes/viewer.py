@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from follower_humanoid.core.config import build
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.bringup_options import split_ros_args
 from follower_humanoid.ros2_front.verbs import Parser
@@ -18,16 +19,17 @@ def main(args: list[str] | None = None) -> int:
     own, ros_args = split_ros_args(sys.argv[1:] if args is None else args)
     try:
         given = _parser().parse_args(own)
+        told = [(name, getattr(given, name)) for name in ("host", "port") if getattr(given, name) is not None]
         if given.bag is not None:
             from follower_humanoid.viewer.bag_page import show_bag
+            from follower_humanoid.viewer.config import ViewerConfig
 
-            return show_bag(given.bag, given.namespace, given.host, given.port)
+            return show_bag(given.bag, given.namespace, build(ViewerConfig, dict(told), "viewer"))
         from follower_humanoid.ros.spin import run
         from follower_humanoid.ros.viewer_node import ViewerNode
 
         # Options come after files and assignments, and win.
-        told = [f"{name}:={value}" for name, value in (("host", given.host), ("port", given.port)) if value]
-        words = [word for assignment in told for word in ("-p", assignment)]
+        words = [word for name, value in told for word in ("-p", f"{name}:={value}")]
         return int(run([ViewerNode], ["--ros-args", *ros_args, *words]))
     except ConfigurationError as error:
         print(error, file=sys.stderr)
@@ -44,8 +46,8 @@ def _parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("--bag", metavar="BAG", type=Path, help="a recorded run in place of the running robot")
     add("--namespace", metavar="NS", help="which robot, where the bag holds several")
-    add("--host", default="", help="address on which the page is offered (default: 127.0.0.1)")
-    add("--port", type=int, default=0, help="first port to try (default: 8080)")
+    add("--host", help="address on which the page is offered (default: 127.0.0.1)")
+    add("--port", type=int, help="first port to try, 0: any free one (default: 8080)")
     return parser
 
 

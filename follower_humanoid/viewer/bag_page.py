@@ -13,6 +13,7 @@ from typing import Any
 import viser
 
 from follower_humanoid.bag.reader import read_run
+from follower_humanoid.graph.record import Run
 from follower_humanoid.viewer.config import ViewerConfig
 from follower_humanoid.viewer.page import Page
 from follower_humanoid.viewer.skeleton import Skeleton
@@ -73,7 +74,30 @@ class Transport:
             self.time = self._slider.value
 
 
-def show_bag(bag: Path, namespace: str | None, host: str, port: int) -> int:
+class BagPage:
+    """The page of a recorded run.
+
+    Attributes:
+        tape: The run, moment by moment.
+        transport: Where in it the page is.
+        page: What people see.
+    """
+
+    def __init__(self, run: Run, config: ViewerConfig) -> None:
+        """Opens the page."""
+        self.tape = Tape(run)
+        self.transport = Transport(self.tape.begin, self.tape.end)
+        self.page = Page(config, Skeleton(run.urdf, run.joint_names), extra=self.transport.furnish)
+
+    def draw(self, wall: float) -> None:
+        """Lets wall time pass [s], and shows what is there then."""
+        self.transport.advance(wall)
+        if self.page.watched:
+            time = self.transport.time
+            self.page.show(self.tape.moment(time), self.tape.trail(time))
+
+
+def show_bag(bag: Path, namespace: str | None, config: ViewerConfig) -> int:
     """Shows a bag until it is told to stop; returns the exit status.
 
     Raises:
@@ -82,11 +106,7 @@ def show_bag(bag: Path, namespace: str | None, host: str, port: int) -> int:
     run = read_run(bag, namespace)
     for note in run.notes:
         print(f"note: {note}", file=sys.stderr)
-    tape = Tape(run)
-    transport = Transport(tape.begin, tape.end)
-    config = ViewerConfig()
-    config = ViewerConfig(host=host or config.host, port=port or config.port)
-    page = Page(config, Skeleton(run.urdf, run.joint_names), extra=transport.furnish)
+    shown = BagPage(run, config)
     over = threading.Event()
 
     def stop(number: int, frame: FrameType | None) -> None:
@@ -94,13 +114,11 @@ def show_bag(bag: Path, namespace: str | None, host: str, port: int) -> int:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, stop)
-    print(f"viewer: {page.address}", file=sys.stderr, flush=True)
+    print(f"viewer: {shown.page.address}", file=sys.stderr, flush=True)
     last = time.monotonic()
     while not over.wait(1.0 / config.rate):
         now = time.monotonic()
-        transport.advance(now - last)
+        shown.draw(now - last)
         last = now
-        if page.watched:
-            page.show(tape.moment(transport.time), tape.trail(transport.time))
-    page.close("The viewer was stopped.")
+    shown.page.close("The viewer was stopped.")
     return 0
