@@ -44,6 +44,7 @@ class Checkout:
     def run(self, script: str, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
         base = {key: os.environ[key] for key in ("PATH", "HOME") if key in os.environ}
         base |= {"CALLS": str(self.calls), "FOLLOWER_PYTHON": str(self.interpreter)}
+        base |= {"FOLLOWER_NO_APT": "1"}
         return subprocess.run(
             [str(self.root / script), *arguments],
             env={**base, **environment},
