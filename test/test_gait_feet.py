@@ -161,7 +161,7 @@ def test_wrap_midpoint_and_mean_yaw() -> None:
         assert math.cos(wrapped) == pytest.approx(math.cos(angle))
         assert math.sin(wrapped) == pytest.approx(math.sin(angle))
     left, right = FootPose(Side.LEFT, 0.2, 0.1, 3.1), FootPose(Side.RIGHT, 0.0, -0.1, -3.1)
-    assert wrap_angle(mean_yaw(left, right) - math.pi) == pytest.approx(0.0, abs=1e-12)
+    assert wrap_angle(mean_yaw(left.yaw, right.yaw) - math.pi) == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(midpoint(left, right, 0.0), [0.1, 0.0], atol=1e-12)
     ahead = midpoint(replace(left, yaw=0.0), replace(right, yaw=0.0), 0.03)
     np.testing.assert_allclose(ahead, [0.13, 0.0], atol=1e-12)

@@ -117,6 +117,9 @@ class Side(Enum):
     LEFT = "left"
     RIGHT = "right"
 
+    # A member is the only one of its kind: no need to hash its name at every look into a dictionary.
+    __hash__ = object.__hash__
+
     @property
     def prefix(self) -> str:
         """Prefix of frame and joint names: `l` or `r`."""

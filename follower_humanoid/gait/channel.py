@@ -13,10 +13,10 @@ from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 
 
-@kernel("UniTuple(float64[::1], 3)(float64[::1], float64[::1], float64[::1], float64[::1], float64, float64)")
+@kernel("float64[:,::1](float64[::1], float64[::1], float64[::1], float64[::1], float64, float64)")
 def along_quintic(
     position: Array, velocity: Array, acceleration: Array, target: Array, T: float, t: float
-) -> tuple[Array, Array, Array]:
+) -> Array:
     """State at time t of the quintic that ends at rest on the target at time T.
 
     x(t) = x + v t + a t²/2 + c3 t³ + c4 t⁴ + c5 t⁵ with x(T) = target, ẋ(T) = ẍ(T) = 0.
@@ -25,18 +25,20 @@ def along_quintic(
         position, velocity, acceleration: State x, v, a at time 0, shape (n,).
         target: Shape (n,).
         T, t: [s].
+
+    Returns:
+        Position, velocity and acceleration, shape (3, n).
     """
-    n = len(position)
-    x_new, v_new, a_new = np.empty(n), np.empty(n), np.empty(n)
-    for i in range(n):
+    state = np.empty((3, len(position)))
+    for i in range(len(position)):
         gap, v, a = target[i] - position[i], velocity[i], acceleration[i]
         c3 = (10.0 * gap - 6.0 * v * T - 1.5 * a * T**2) / T**3
         c4 = (-15.0 * gap + 8.0 * v * T + 1.5 * a * T**2) / T**4
         c5 = (6.0 * gap - 3.0 * v * T - 0.5 * a * T**2) / T**5
-        x_new[i] = position[i] + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5))))
-        v_new[i] = v + t * (a + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))
-        a_new[i] = a + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))
-    return x_new, v_new, a_new
+        state[0, i] = position[i] + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5))))
+        state[1, i] = v + t * (a + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))
+        state[2, i] = a + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))
+    return state
 
 
 class MinimumJerkChannel:

@@ -88,9 +88,9 @@ def landing_pose(stance: FootPose, gait: Gait, config: FootstepConfig) -> FootPo
     forward, sideways = length * math.cos(travel), length * math.sin(travel)
     width = config.stance_width + config.turn_spread * abs(wrap_angle(yaw - stance.yaw))
     lateral = side.sign * width + (sideways if sideways * side.sign > 0.0 else 0.0)
-    origin = FootPose(side, stance.x, stance.y, yaw, stance.z)
-    x, y = origin.point(forward, lateral)
-    return FootPose(side, float(x), float(y), yaw, stance.z)
+    c, s = math.cos(yaw), math.sin(yaw)
+    x, y = stance.x + c * forward - s * lateral, stance.y + s * forward + c * lateral
+    return FootPose(side, x, y, yaw, stance.z)
 
 
 def half_step_length(landed: FootPose, stance: FootPose) -> float:
@@ -103,9 +103,9 @@ def midpoint(left: FootPose, right: FootPose, forward: float) -> Array:
     return 0.5 * (left.point(forward) + right.point(forward))
 
 
-def mean_yaw(left: FootPose, right: FootPose) -> float:
+def mean_yaw(left: float, right: float) -> float:
     """Heading between those of the two feet [rad]."""
-    return left.yaw + 0.5 * wrap_angle(right.yaw - left.yaw)
+    return left + 0.5 * wrap_angle(right - left)
 
 
 def beside(stance: FootPose, config: FootstepConfig) -> FootPose:

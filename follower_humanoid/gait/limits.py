@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Gait
@@ -22,9 +22,10 @@ class GaitLimits:
 def limited(gait: Gait, limits: GaitLimits) -> Gait:
     """The walking parameters within their limits; a speed too small, or backward, is standing."""
     speed = min(gait.walk_speed, limits.fastest) if gait.walk_speed >= limits.slowest else 0.0
-    return replace(
-        gait,
+    return Gait(
         walk_speed=speed,
+        walk_dir=gait.walk_dir,
         step_length=min(max(gait.step_length, 0.0), limits.longest),
         step_height=min(max(gait.step_height, limits.lowest), limits.highest),
+        heading=gait.heading,
     )

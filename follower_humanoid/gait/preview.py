@@ -60,7 +60,7 @@ def com_after(
     """Where the CoM will be when the first pieces of the ZMP plan have passed.
 
     c = (ξ + ζ)/2 with the DCM ξ from what follows and the convergent component ζ = c − ċ/ω from what
-    went before: ζ̇ = ω(p − ζ) is the DCM's equation with time reversed.
+    went before: ζ̇ = ω(p − ζ).
 
     Args:
         zmp, com, dcm: Now, in world, shape (2,) [m].
@@ -72,13 +72,17 @@ def com_after(
     Returns:
         CoM over the ground, shape (2,) [m].
     """
-    points = [zmp]
-    for target, _ in first:
-        points.append(points[-1] if target is None else target)
-    backwards: list[ZmpLeg] = [(points[i], duration) for i, (_, duration) in reversed(list(enumerate(first)))]
-    elapsed = sum(duration for _, duration in first)
-    dcm_then = planned_dcm(points[-1], rest, omega, horizon)
-    convergent_now = 2.0 * com - dcm
-    convergent = planned_dcm(points[-1], backwards, omega, math.inf)
-    convergent = convergent + math.exp(-omega * elapsed) * (convergent_now - zmp)
-    return 0.5 * (dcm_then + convergent)
+    x, y = zmp.tolist()
+    (com_x, com_y), (dcm_x, dcm_y) = com.tolist(), dcm.tolist()
+    convergent_x, convergent_y = 2.0 * com_x - dcm_x, 2.0 * com_y - dcm_y
+    for target, duration in first:
+        next_x, next_y = (x, y) if target is None else target.tolist()
+        if duration >= 1e-6:
+            # ζ(T) = p(T) − ṗ/ω + e^{−ωT} (ζ − p + ṗ/ω) with constant ṗ.
+            decay, pace = math.exp(-omega * duration), 1.0 / (omega * duration)
+            lag_x, lag_y = pace * (next_x - x), pace * (next_y - y)
+            convergent_x = next_x - lag_x + decay * (convergent_x - x + lag_x)
+            convergent_y = next_y - lag_y + decay * (convergent_y - y + lag_y)
+        x, y = next_x, next_y
+    dcm_then = planned_dcm(np.array([x, y]), rest, omega, horizon)
+    return np.array([0.5 * (dcm_then[0] + convergent_x), 0.5 * (dcm_then[1] + convergent_y)])

@@ -198,11 +198,11 @@ class Walker:
 
     def heading(self) -> float:
         """Yaw between the two feet, the swing foot's own while it turns [rad]."""
-        yaws = dict(self.feet)
-        if self.half_step is not None:
-            swing = self.half_step.swing
-            yaws[swing.side] = replace(yaws[swing.side], yaw=float(swing.attitude.position[0]))
-        return mean_yaw(yaws[Side.LEFT], yaws[Side.RIGHT])
+        if self.half_step is None:
+            return mean_yaw(self.feet[Side.LEFT].yaw, self.feet[Side.RIGHT].yaw)
+        swing = self.half_step.swing
+        turning, still = float(swing.attitude.position[0]), self.feet[swing.side.other].yaw
+        return mean_yaw(turning, still) if swing.side is Side.LEFT else mean_yaw(still, turning)
 
     def _begin(
         self, swing: Side, gait: Gait, toes: dict[Side, float], shortest_transfer: float = 0.0

@@ -54,8 +54,8 @@ class ReferenceBody:
     def samples(self) -> tuple[Joints, Odometry]:
         """Joints and base of the reference."""
         q, v = self.ik.q, self.ik.v
-        joints = Joints(q[7:].copy(), v[6:].copy(), np.zeros(self._joints))
-        return joints, Odometry(q[:3].copy(), q[3:7].copy(), v[:3].copy(), v[3:6].copy())
+        # The IK makes new arrays at every tick: their parts may be given away.
+        return Joints(q[7:], v[6:], np.zeros(self._joints)), Odometry(q[:3], q[3:7], v[:3], v[3:6])
 
     def advance(
         self, walker: Walker, plan: Plan, pendulum: PendulumState, omega: float, horizon: float, dt: float
