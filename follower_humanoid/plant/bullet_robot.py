@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,14 +21,16 @@ Triple = tuple[float, float, float]
 
 
 @kernel(
-    "void(UniTuple(float64, 3), UniTuple(float64, 4), UniTuple(float64, 3), UniTuple(float64, 3), "
+    "boolean(UniTuple(float64, 3), UniTuple(float64, 4), UniTuple(float64, 3), UniTuple(float64, 3), "
     "float64[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], float64[::1], float64[::1])"
 )
 def base_state(
     position: Triple, quat: tuple[float, ...], linear: Triple, spin: Triple, center: Array, turn: Array,
     q: Array, v: Array, rotation: Array, base_velocity: Array, base_spin: Array,
-) -> None:  # fmt: skip
+) -> bool:  # fmt: skip
     """State of base_link from that of its centre of mass and principal axes.
+
+    Answers whether all of v is finite.
 
     R = R_axes R_turn;  x = x_c − R c;  ẋ = ẋ_c − ω × R c;  the twist in base axes is (Rᵀ ẋ, Rᵀ ω).
 
@@ -36,7 +39,7 @@ def base_state(
         linear, spin: ẋ_c and ω, in world.
         center: c, in base_link, (3,).
         turn: Quaternion of R_turn, base_link to principal axes, (4,).
-        q, v: Written: the base's rows of configuration and velocity.
+        q, v: Configuration and velocity, of which the base's rows are written.
         rotation, base_velocity, base_spin: Written: R, ẋ and ω.
     """
     x, y, z, w = quat
@@ -71,6 +74,10 @@ def base_state(
         for row in range(3):
             v[axis] += rotation[row, axis] * base_velocity[row]
             v[3 + axis] += rotation[row, axis] * base_spin[row]
+    total = 0.0
+    for rate in v:
+        total += rate
+    return math.isfinite(total)
 
 
 class BulletRobot:
@@ -83,6 +90,8 @@ class BulletRobot:
         rotation: Base to world, shape (3, 3).
         base_velocity: Of the base_link origin, in world axes, shape (3,) [m/s].
         base_spin: Of the base, in world axes, shape (3,) [rad/s].
+        reads: How often the state was renewed.
+        finite: False once a velocity is not finite.
         center_in_base: The base link's own centre of mass in base_link, shape (3,) [m].
     """
 
@@ -125,6 +134,7 @@ class BulletRobot:
         self._to_base: Array = self._principal_axes.conjugate().coeffs().copy()
         self.q, self.v = np.zeros(7 + len(joint_names)), np.zeros(BASE_DOF + len(joint_names))
         self.rotation, self.base_velocity, self.base_spin = np.eye(3), np.zeros(3), np.zeros(3)
+        self.reads, self.finite = 0, True
         self.read()
 
     def place(self, q: Array, v: Array) -> None:
@@ -160,7 +170,8 @@ class BulletRobot:
         joints[self._rows] = [state[0] for state in states]
         rates[self._rows] = [state[1] for state in states]
         self.rotation, self.base_velocity, self.base_spin = np.empty((3, 3)), np.empty(3), np.empty(3)
-        base_state(
+        self.reads += 1
+        self.finite = base_state(
             position, quat, linear, spin, self.center_in_base, self._to_base,
             self.q, self.v, self.rotation, self.base_velocity, self.base_spin,
         )  # fmt: skip
@@ -176,18 +187,15 @@ class BulletRobot:
             physicsClientId=self._client,
         )  # fmt: skip
 
-    def push(self, joint: int, force: Sequence[float], place: Sequence[float]) -> None:
-        """A force [N] during the next step on the link behind Pinocchio's joint, at a place, in world."""
-        pybullet.applyExternalForce(
-            self.body, self._link(joint), force, place, pybullet.WORLD_FRAME, self._client
-        )
+    def push(self, link: int, force: Sequence[float], place: Sequence[float]) -> None:
+        """A force [N] during the next step on one of PyBullet's links, at a place, in world."""
+        pybullet.applyExternalForce(self.body, link, force, place, pybullet.WORLD_FRAME, self._client)
 
-    def twist(self, joint: int, torque: Sequence[float]) -> None:
-        """A torque [N·m] during the next step on the link behind Pinocchio's joint, in world."""
+    def twist(self, link: int, torque: Sequence[float]) -> None:
+        """A torque [N·m] during the next step on one of PyBullet's links, in world."""
         if any(torque):
-            pybullet.applyExternalTorque(
-                self.body, self._link(joint), torque, pybullet.WORLD_FRAME, self._client
-            )
+            pybullet.applyExternalTorque(self.body, link, torque, pybullet.WORLD_FRAME, self._client)
 
-    def _link(self, joint: int) -> int:
+    def link(self, joint: int) -> int:
+        """PyBullet's link behind a joint of Pinocchio."""
         return -1 if joint < FIRST_ACTUATED else self._joints[joint - FIRST_ACTUATED]

@@ -6,6 +6,7 @@ A drive whose commands stop holds the references of the last one. A command may 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,22 +43,30 @@ class Drives:
         self.missed = 0
         self.holding = False
         size = len(joints)
-        self._load, self._reference, self._voltage = np.zeros(size), np.zeros(size), np.zeros(size)
+        self._load, self._reference = np.zeros(size), np.zeros(size)
+        self._command: Joints | None = None
 
     def start(self, position: Array, voltage: Array) -> None:
         """Takes the standing posture as the last reference, held by `voltage`; shapes (45,)."""
         self._reference = position[self.joints].copy()
         self._load = voltage[self.joints].copy()
+        self._command = None
         self.holding = True
 
     def receive(self, command: Joints | None) -> None:
         """Takes the command of a control tick; None or numbers that are not finite: none."""
-        if command is None or not np.isfinite(command.effort.sum()):
-            self.missed += 1
-            self.holding = True
+        if command is not None and math.isfinite(command.effort.sum()):
+            self._command = command
+            self.holding = False
             return
-        self.holding = False
-        self._voltage = command.effort
+        self.missed += 1
+        self.holding = True
+        if self._command is not None:
+            self._take_over(self._command)
+            self._command = None
+
+    def _take_over(self, command: Joints) -> None:
+        """Prepares to hold the references of the last command and the load that it carried."""
         self._reference = command.position
         # What holds the load once the motion has ended: the voltage less its back-EMF share.
         limited = np.clip(command.effort, -self._limit, self._limit)
@@ -66,8 +75,8 @@ class Drives:
 
     def write(self, position: Array, velocity: Array, voltage: Array) -> None:
         """Writes this group's voltages of a physics step into `voltage`, shape (45,)."""
-        if not self.holding:
-            voltage[self.joints] = self._voltage
+        if self._command is not None:
+            voltage[self.joints] = self._command.effort
             return
         self._reference = np.where(np.isfinite(self._reference), self._reference, position[self.joints])
         error = self._reference - position[self.joints]

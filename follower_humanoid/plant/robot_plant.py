@@ -10,8 +10,6 @@ PyBullet then gets the contact forces at their points and the torques τ_u − A
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pinocchio as pin
 
@@ -47,7 +45,8 @@ class RobotPlant:
 
     Attributes:
         model: Pinocchio model of the plant's own body (its masses, not the controllers').
-        data: Joint poses, world Jacobian and forces without acceleration (f) where the last step began.
+        data: Dynamics of the state at which `renew_dynamics` was called last: at the latest where the last
+            step began.
         joint_poses, world_jacobian: Views of them: a `pose_table`, shape (n, 4, 3), and shape (6, 51).
         bullet: The body in PyBullet; its `q` (52,) and `v` (51,) are the state, as in `RobotModel`.
         soles, motors, stops: What acts between robot and world, and in its joints.
@@ -80,11 +79,14 @@ class RobotPlant:
         self._mass_matrix: Array = self.data.M
         self.world_jacobian: Array = self.data.J
         self.joint_poses = pose_table(self.data.oMi)
+        self._forces_at_rest: Array = self.data.nle
+        self._renewed_at = -1
         self._held_points: dict[int, HeldPoint] = {}
         self._posture, self._stiffness = posture, soles.stiffness
         self.soles = Soles(soles, robot, self.joint_poses, world.ground, self._step)
         self.stops = Stops(stops, robot.lower, robot.upper, self._step)
         self.bullet = self._body(urdf, fixed_trunk)
+        self._sole_links = [self.bullet.link(joint) for joint in self.soles.joints]
         self.q, self.v = self.bullet.q, self.bullet.v
         self.acceleration = np.zeros(self.model.nv)
         self.base_acceleration = np.zeros(3)
@@ -110,7 +112,7 @@ class RobotPlant:
         """Puts the robot into static equilibrium at the world's origin."""
         state = standing(self.robot, self.model, self._posture, self._stiffness)
         self.bullet.place(state.configuration, np.zeros(self.model.nv))
-        self._renew_dynamics()
+        self.renew_dynamics()
         if not self._held.size:  # a fixed trunk needs no ground
             self.soles.settle(state.point_forces)
         self.motors.hold(state.torque)
@@ -118,17 +120,19 @@ class RobotPlant:
         self.acceleration = np.zeros(self.model.nv)
         self.base_acceleration = np.zeros(3)
 
-    def _renew_dynamics(self) -> Array:
-        """Joint poses, world Jacobian and mass matrix of the current state; returns n, shape (51,)."""
+    def renew_dynamics(self) -> None:
+        """Joint poses, world Jacobian, mass matrix, n and the f that it is made of: of the state of now."""
+        if self._renewed_at == self.bullet.reads:
+            return
         # In world axes, so that it leaves the Jacobian behind too. The armature is rotor inertia and
         # implicit damping.
         pin.crba(self.model, self.data, self.q, pin.Convention.WORLD)
-        forces: Array = pin.nonLinearEffects(self.model, self.data, self.q, self.v)
-        return forces
+        pin.nonLinearEffects(self.model, self.data, self.q, self.v)
+        self._renewed_at = self.bullet.reads
 
     def frame_rotation(self, frame: int) -> Array:
         """Rotation from a Pinocchio frame to world at the current state, shape (3, 3)."""
-        pin.forwardKinematics(self.model, self.data, self.q)
+        self.renew_dynamics()
         info = self.model.frames[frame]
         rotation: Array = self.data.oMi[info.parentJoint].rotation @ info.placement.rotation
         return rotation
@@ -145,7 +149,8 @@ class RobotPlant:
         """
         h, model, data, q, v = self._step, self.model, self.data, self.q, self.v
         rate = v[BASE_DOF:]
-        free = -self._renew_dynamics()
+        self.renew_dynamics()
+        free = -self._forces_at_rest
         self.motors.begin(voltage)
         self.motors.add_to(rate, free[BASE_DOF:])
         places = [self._add_pull(pull, free) for pull in pulls]
@@ -201,18 +206,19 @@ class RobotPlant:
     def _apply(self, pulls: tuple[Pull, ...], places: list[Array]) -> None:
         torque = self.effort + self.stops.torque if self.stops.active else self.effort
         self.bullet.drive(torque)
+        push = self.bullet.push
         if self.soles.touching:
             forces, points = self.soles.force.tolist(), self.soles.points.tolist()
-            for joint, force, point in zip(self.soles.joints, forces, points, strict=True):
+            for link, force, point in zip(self._sole_links, forces, points, strict=True):
                 if force[2] > 0.0:
-                    self.bullet.push(joint, force, point)
+                    push(link, force, point)
         for pull, place in zip(pulls, places, strict=True):
-            joint = self.held_point(pull.frame).joint
-            self.bullet.push(joint, pull.force.tolist(), place.tolist())
-            self.bullet.twist(joint, pull.torque.tolist())
+            link = self.bullet.link(self.held_point(pull.frame).joint)
+            push(link, pull.force.tolist(), place.tolist())
+            self.bullet.twist(link, pull.torque.tolist())
 
     def _check_finite(self) -> None:
-        if math.isfinite(self.v @ self.v):
+        if self.bullet.finite:
             return
         names = [f"base_link {axis}" for axis in ("x", "y", "z", "roll", "pitch", "yaw")]
         names += self.robot.joint_names

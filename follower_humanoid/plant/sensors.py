@@ -18,8 +18,7 @@ from follower_humanoid.plant.sensor_sums import (
     mean_acceleration,
     seen_from,
 )
-from follower_humanoid.robot.model import BASE_DOF, GRAVITY
-from follower_humanoid.robot.pose_table import pose_table
+from follower_humanoid.robot.model import BASE_DOF
 
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -106,8 +105,6 @@ class Sensors:
         """Sensors of one robot at rest."""
         self._config, self._plant = config, plant
         self._random = np.random.default_rng(config.seed)
-        self._data = plant.model.createData()
-        self._poses = pose_table(self._data.oMi)
         self._soles = [_SoleFrame(plant, f"{side.prefix}_sole") for side in SIDES]
         self._hands = [_WristJoint(plant, f"{side.prefix}_wrist") for side in SIDES]
         self._feet, self._wrists = np.zeros((2, 6)), np.zeros((2, 6))
@@ -138,9 +135,7 @@ class Sensors:
         plant = self._plant
         if plant.soles.touching:
             plant.soles.add_wrenches_to(self._feet)
-        lifted = plant.base_acceleration.copy()
-        lifted[2] += GRAVITY
-        add_specific_force(lifted, self._rotation, self._specific_force)
+        add_specific_force(plant.base_acceleration, self._rotation, self._specific_force)
         mean_acceleration(
             self._v, plant.v, self._spin, plant.bullet.base_spin, plant.base_acceleration, self._rotation,
             plant.world.step_length, self._acceleration,
@@ -199,11 +194,12 @@ class Sensors:
 
         So force and moment balance the change of momentum over the tick exactly.
         """
-        pin.forwardKinematics(self._plant.model, self._data, self._plant.q)
+        self._plant.renew_dynamics()  # the step to come needs it too
         feet = []
         for sole, total in zip(self._soles, self._feet, strict=True):
             force, torque = np.empty(3), np.empty(3)
-            seen_from(self._poses[sole.joint], sole.axes, sole.offset, total, self._count, force, torque)
+            pose = self._plant.joint_poses[sole.joint]
+            seen_from(pose, sole.axes, sole.offset, total, self._count, force, torque)
             feet.append(
                 Wrench(
                     self._noisy(force, self._config.foot_force_noise),

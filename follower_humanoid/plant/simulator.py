@@ -12,6 +12,7 @@ from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.board import Board, BoardConfig
 from follower_humanoid.plant.drives import Drives, HoldConfig
 from follower_humanoid.plant.falls import Fall, FallWatch
+from follower_humanoid.plant.grip import ZERO
 from follower_humanoid.plant.motors import MotorConfig
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
 from follower_humanoid.plant.pulls import Pull
@@ -143,13 +144,13 @@ class Simulator:
         self.tick = 0
         self.time = 0.0
         self.fall: Fall | None = None
-        self._applied = np.zeros((3, 6))
+        self._applied = [ZERO] * len(PULLED)
         self._rest()
 
     def _rest(self) -> None:
         for drives in self._drives:
             drives.start(self.plant.q[7:], self.plant.motors.voltage)
-        self._applied.fill(0.0)
+        self._applied = [ZERO] * len(PULLED)
         self._sensors.at_rest()
         self._outputs = self._read()
 
@@ -187,7 +188,7 @@ class Simulator:
             if group >= self._commanded:
                 drives.receive(command)
             drives.write(plant.q[7:], plant.v[6:], self._voltage)
-        self._applied.fill(0.0)
+        self._applied = [ZERO] * len(PULLED)
         # Turned into world once: what is noted as applied is then exactly what acts in every step.
         held = tuple(self._pull(*grip) for grip in self._grips(inputs))
         sensors.clear()
@@ -221,7 +222,7 @@ class Simulator:
         return [
             (index, wrench, -1 if wrench.frame in WORLD_NAMES else self._robot.frame_id(wrench.frame))
             for index, wrench in enumerate(wrenches)
-            if wrench is not None and (wrench.force.any() or wrench.torque.any())
+            if wrench is not None and (np.count_nonzero(wrench.force) or np.count_nonzero(wrench.torque))
         ]
 
     def _pull(self, index: int, wrench: Wrench, axes: int) -> Pull:
@@ -231,13 +232,12 @@ class Simulator:
         if axes >= 0:
             turn = self.plant.frame_rotation(axes)
             force, torque = turn @ force, turn @ torque
-        self._applied[index, :3] += force
-        self._applied[index, 3:] += torque
+        self._applied[index] = Wrench(force, torque)
         return Pull(self._pulled[index], force, torque)
 
     def _read(self) -> SimulatorOutputs:
         readings = self._sensors.read()
-        left, right, base = (Wrench(row[:3].copy(), row[3:].copy()) for row in self._applied)
+        left, right, base = self._applied
         contacts: list[Wrench | None] = [None, None]
         if self._board is not None:
             contacts = [Wrench(force, np.zeros(3)) for force in self._board.mean_force()]

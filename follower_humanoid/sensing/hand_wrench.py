@@ -20,6 +20,8 @@ import pinocchio as pin
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Side, Wrench
 from follower_humanoid.robot.model import GRAVITY, RobotModel
+from follower_humanoid.robot.pose_table import pose_table
+from follower_humanoid.sensing.hand_state import SHAPE, external_wrench, hand_state
 from follower_humanoid.sensing.low_pass import LowPass
 
 
@@ -50,55 +52,41 @@ class HandWrenchOutputs:
     right_hand: Wrench
 
 
-@dataclass(frozen=True)
-class _HandState:
-    """A hand at one tick.
-
-    Attributes:
-        placement: Hand link in world.
-        momentum: Linear and angular momentum, at and in the link.
-        gripper: Gripper position in world, shape (3,) [m].
-    """
-
-    placement: pin.SE3
-    momentum: pin.Force
-    gripper: Array
-
-    def seen_from(self, point: Array) -> pin.SE3:
-        """Transport of a wrench at and in the link to world axes at `point`."""
-        return pin.SE3(self.placement.rotation, self.placement.translation - point)
-
-
 class _Hand:
     """What the URDF says about one hand, and what the sensing remembers of it."""
 
-    def __init__(self, robot: RobotModel, side: Side, filter_time: float, period: float) -> None:
+    def __init__(
+        self, robot: RobotModel, side: Side, data: pin.Data, filter_time: float, period: float
+    ) -> None:
         model = robot.pin_model
         wrist = model.frames[robot.frame_id(f"{side.prefix}_wrist")]
         gripper = model.frames[robot.frame_id(f"{side.prefix}_gripper")]
-        inertia = model.inertias[wrist.parentJoint]
-        self.joint = int(wrist.parentJoint)
-        self.wrist_in_joint: pin.SE3 = wrist.placement
-        self.gripper_in_joint: Array = gripper.placement.translation.copy()
-        self.inertia: pin.Inertia = inertia
-        self.center_in_wrist: Array = wrist.placement.actInv(inertia.lever)
-        self.weight = inertia.mass * GRAVITY
-        self.filter = LowPass(filter_time, period)
-        self.before: _HandState | None = None
+        joint = int(wrist.parentJoint)
+        hand = model.inertias[joint]
+        # Views of Pinocchio's memory: they follow the kinematics.
+        self._pose, self._twist = pose_table(data.oMi)[joint], data.v[joint].vector
+        self._wrist = np.vstack((wrist.placement.rotation.T, wrist.placement.translation))
+        self._gripper: Array = gripper.placement.translation.copy()
+        self._mass, self._center = float(hand.mass), hand.lever.copy()
+        self._inertia = np.ascontiguousarray(hand.inertia)
+        self._period = period
+        self._filter = LowPass(filter_time, period)
+        self._reading = np.zeros(6)
+        self._before: Array | None = None
 
-    def state(self, data: pin.Data) -> _HandState:
-        """The hand after forward kinematics."""
-        joint_in_world = data.oMi[self.joint]
-        return _HandState(
-            placement=joint_in_world * self.wrist_in_joint,
-            momentum=self.wrist_in_joint.actInv(self.inertia * data.v[self.joint]),
-            gripper=joint_in_world.act(self.gripper_in_joint),
+    def step(self, wrist: Wrench) -> Wrench:
+        """The external wrench of this tick, after forward kinematics."""
+        now = np.empty(SHAPE)
+        hand_state(
+            self._pose, self._twist, self._mass, self._center, self._inertia, self._wrist, self._gripper, now
         )
-
-    def weight_about(self, to_reference: pin.SE3) -> Array:
-        """Weight of the hand about the reference point, world axes, shape (6,)."""
-        x, y, _ = to_reference.act(self.center_in_wrist).tolist()
-        return np.array([0.0, 0.0, -self.weight, -y * self.weight, x * self.weight, 0.0])
+        before = now if self._before is None else self._before
+        self._before = now
+        self._reading[:3], self._reading[3:] = wrist.force, wrist.torque
+        sample = np.empty(6)
+        external_wrench(before, now, self._reading, self._mass * GRAVITY, self._period, sample)
+        external = self._filter.step(sample)
+        return Wrench(external[:3], external[3:])
 
 
 class HandWrenchSensing:
@@ -114,29 +102,14 @@ class HandWrenchSensing:
     def __init__(self, config: HandWrenchConfig, robot: RobotModel, period: float) -> None:
         self._robot = robot
         self._data = robot.pin_model.createData()
-        self._period = period
-        self._left, self._right = (_Hand(robot, side, config.filter_time, period) for side in SIDES)
+        self._left, self._right = (
+            _Hand(robot, side, self._data, config.filter_time, period) for side in SIDES
+        )
 
     def step(self, inputs: HandWrenchInputs, time: float) -> HandWrenchOutputs:
         """The wrenches of this tick."""
         q, v = self._robot.state(inputs.odometry, inputs.joints)
         pin.forwardKinematics(self._robot.pin_model, self._data, q, v)
         return HandWrenchOutputs(
-            left_hand=self._external(self._left, inputs.left_wrist),
-            right_hand=self._external(self._right, inputs.right_wrist),
+            left_hand=self._left.step(inputs.left_wrist), right_hand=self._right.step(inputs.right_wrist)
         )
-
-    def _external(self, hand: _Hand, wrist: Wrench) -> Wrench:
-        now = hand.state(self._data)
-        before = hand.before or now
-        hand.before = now
-        reference = 0.5 * (now.gripper + before.gripper)
-        to_now, to_before = now.seen_from(reference), before.seen_from(reference)
-
-        reading = pin.Force(wrist.force, wrist.torque)
-        hand_on_forearm = (to_now.act(reading) + to_before.act(reading)).vector / 2
-        momentum_rate = (to_now.act(now.momentum) - to_before.act(before.momentum)).vector / self._period
-        weight = (hand.weight_about(to_now) + hand.weight_about(to_before)) / 2
-
-        external = hand.filter.step(momentum_rate - weight + hand_on_forearm)
-        return Wrench(external[:3], external[3:])
