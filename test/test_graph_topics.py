@@ -13,6 +13,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 
+from follower_humanoid.bag.recorder import ADJUSTED
 from follower_humanoid.core.topics import READERS, TOPICS
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, PRODUCER, SIMULATOR, WIRING, used_tick
@@ -25,7 +26,7 @@ from follower_humanoid.ros.simulator_node import SimulatorNode
 
 NAMESPACE = "/robots/one"
 ENVELOPES = {envelope_topic(name) for name in NODES}
-OWN = {ABSENT, RESET, CLOCK, "graph/ready", *ENVELOPES}
+OWN = {ABSENT, ADJUSTED, RESET, CLOCK, "graph/ready", *ENVELOPES}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
 

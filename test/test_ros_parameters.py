@@ -116,10 +116,12 @@ def set_stiffness(node, value):
 def test_a_change_reaches_the_component_and_a_bad_one_does_not(make_node):
     node = make_node()
     taken = []
-    live = LiveConfig(node, declare(node, Config, adjustable=True), taken.append)
+    live = LiveConfig(node, declare(node, Config, adjustable=True), lambda *given: taken.append(given))
     assert live is not None
     assert set_stiffness(node, 6.0).successful
-    assert taken == [Config(spring=Spring(6.0))]
+    ((config, changed),) = taken
+    assert config == Config(spring=Spring(6.0))
+    assert [(parameter.name, parameter.value) for parameter in changed] == [("spring.stiffness", 6.0)]
     for value, words in ((11.0, "range"), (float("nan"), "nan"), (7.0, "not while on")):
         answer = set_stiffness(node, value)
         assert not answer.successful

@@ -75,6 +75,13 @@ class Cursor:
         """An unsigned 8-bit value."""
         return self._data[self._advance(1)]
 
+    def long_integers(self, count: int) -> tuple[int, ...]:
+        """`count` signed 64-bit values."""
+        if count:
+            self.align(8)
+        begin = self._advance(8 * count)
+        return struct.unpack_from(f"{self._order}{count}q", self._data, begin)
+
     def text(self) -> str:
         """A string, part of the structure."""
         count = self.length()
@@ -84,7 +91,7 @@ class Cursor:
 
     def texts(self) -> tuple[str, ...]:
         """A sequence of strings."""
-        return tuple(self.text() for _ in range(self._bounded(self.length())))
+        return tuple(self.text() for _ in range(self.bounded(self.length())))
 
     def doubles(self, name: str, count: int) -> Array:
         """`count` float64 values."""
@@ -117,18 +124,18 @@ class Cursor:
         """A `std_msgs/Header`: stamp [ns] and frame."""
         return self.stamp(), self.text()
 
+    def bounded(self, count: int) -> int:
+        """A length that the rest of the message can hold, so that rubbish does not fill the memory."""
+        if count > len(self._data):
+            raise CdrError("impossible length")
+        return count
+
     def _advance(self, count: int) -> int:
         begin = self.position
         self.position += count
         if self.position > len(self._data):
             raise CdrError("breaks off")
         return begin
-
-    def _bounded(self, count: int) -> int:
-        """A length that the rest of the message can hold, so that rubbish does not fill the memory."""
-        if count > len(self._data):
-            raise CdrError("impossible length")
-        return count
 
 
 @dataclass(frozen=True)

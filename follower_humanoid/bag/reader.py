@@ -13,12 +13,14 @@ import numpy as np
 from follower_humanoid.bag.cdr import NANOSECONDS, CdrError, Cursor, decode_batch
 from follower_humanoid.bag.layouts import IRREGULAR, WALKS
 from follower_humanoid.bag.mcap_file import McapFile, Message, bag_files
+from follower_humanoid.bag.parameter_events import parameter_event
+from follower_humanoid.bag.recorder import ADJUSTED
 from follower_humanoid.bag.writer import ABOUT_METADATA, URDF_ATTACHMENT
 from follower_humanoid.core import samples
 from follower_humanoid.core.samples import Array
 from follower_humanoid.core.topics import TOPICS, Topic
 from follower_humanoid.errors import ConfigurationError
-from follower_humanoid.graph.record import Integers, Run, Series
+from follower_humanoid.graph.record import Adjusted, Integers, Run, Series
 
 _NEEDED = ("joint_states", "odom")
 # Slack of a person's stamp against the time it was received at before it is taken for a foreign clock.
@@ -51,19 +53,20 @@ def read_run(bag: Path, namespace: str | None = None) -> Run:
     """
     files = [McapFile(path) for path in bag_files(bag)]
     collected: dict[str, _Collected] = {}
+    changes: list[bytes] = []
     prefix = None if namespace is None else f"/{namespace.strip('/')}/".replace("//", "/")
     for file in files:
         for messages in file.chunks():
             if prefix is None:
                 prefix = _only_prefix(file, bag)
-            _collect(file, messages, prefix, collected)
+            _collect(file, messages, prefix, collected, changes)
     found = sorted({channel.topic for file in files for channel in file.channels.values()})
     for name in _NEEDED:
         if name not in collected:
             listed = ", ".join(found) or "nothing"
             raise ConfigurationError(f"bag {bag} holds no {name} of a follower; it holds {listed}")
     notes = [note for file in files for note in file.notes]
-    return _run(files, collected, notes)
+    return _run(files, collected, changes, notes)
 
 
 def _only_prefix(file: McapFile, bag: Path) -> str | None:
@@ -80,7 +83,11 @@ def _only_prefix(file: McapFile, bag: Path) -> str | None:
 
 
 def _collect(
-    file: McapFile, messages: list[Message], prefix: str | None, collected: dict[str, _Collected]
+    file: McapFile,
+    messages: list[Message],
+    prefix: str | None,
+    collected: dict[str, _Collected],
+    changes: list[bytes],
 ) -> None:
     if prefix is None:
         return
@@ -94,6 +101,8 @@ def _collect(
         name = info.topic.removeprefix(prefix)
         if name in TOPICS:
             _decode(collected.setdefault(name, _Collected(TOPICS[name])), group)
+        elif name == ADJUSTED:
+            changes += [message.data for message in group]
 
 
 def _decode(into: _Collected, messages: list[Message]) -> None:
@@ -149,7 +158,9 @@ def _decode_irregular(into: _Collected, messages: list[Message]) -> None:
     into.stamps.append(np.array(stamps, dtype=np.int64))
 
 
-def _run(files: Sequence[McapFile], collected: dict[str, _Collected], notes: list[str]) -> Run:
+def _run(
+    files: Sequence[McapFile], collected: dict[str, _Collected], changes: list[bytes], notes: list[str]
+) -> Run:
     attachments = {name: data for file in files for name, data in file.attachments.items()}
     about = {name: data.decode("utf-8", errors="replace") for name, data in attachments.items()}
     urdf = about.pop(URDF_ATTACHMENT, "")
@@ -171,7 +182,19 @@ def _run(files: Sequence[McapFile], collected: dict[str, _Collected], notes: lis
     missing = int(states[-1] - states[0] + 1 - len(states))
     if missing:
         notes.append(f"joint_states: {missing} of {states[-1] - states[0] + 1} ticks are missing")
-    return Run(tick_ns / NANOSECONDS, joints.names, urdf, series, about, tuple(notes))
+    adjusted = _adjusted(changes, tick_ns, notes)
+    return Run(tick_ns / NANOSECONDS, joints.names, urdf, series, about, tuple(notes), adjusted)
+
+
+def _adjusted(changes: list[bytes], tick_ns: int, notes: list[str]) -> tuple[Adjusted, ...]:
+    found = []
+    for data in changes:
+        try:
+            stamp, node, values = parameter_event(Cursor(data))
+            found.append(Adjusted(round(stamp / tick_ns), node, values))
+        except CdrError as error:
+            notes.append(f"{ADJUSTED}: a message cannot be decoded and is left out: {error}")
+    return tuple(sorted(found, key=lambda change: change.tick))
 
 
 def _tick(about: dict[str, str], stamps: Integers) -> int:

@@ -43,6 +43,8 @@ EVERY_MESSAGE = frozenset(
 )
 """Topics of which every message is kept."""
 STATE = "joint_states"
+ADJUSTED = "graph/adjusted"
+"""Parameters that were changed during the run, with the time of the first tick that used them."""
 
 # Stamps of any clock: these cannot be thinned out by them. Footsteps are sent when they change.
 _FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
@@ -95,7 +97,7 @@ class Recorded:
 
 
 def recorded_topics() -> tuple[Recorded, ...]:
-    """Every topic of the contract, the clock and the diagnostics."""
+    """Every topic of the contract, adjusted parameters, the clock and the diagnostics."""
     listed = []
     for topic in TOPICS.values():
         # An array of markers begins with its length; the stamp is that of the first marker.
@@ -103,6 +105,7 @@ def recorded_topics() -> tuple[Recorded, ...]:
         thinned = topic.name not in EVERY_MESSAGE and topic.name not in _AS_THEY_COME
         reliable = topic.name not in _FROM_PEOPLE
         listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], thinned, reliable, offset))
+    listed.append(Recorded(ADJUSTED, "rcl_interfaces/msg/ParameterEvent", False, True))
     listed.append(Recorded("clock", "rosgraph_msgs/msg/Clock", True, False))
     listed.append(Recorded("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", False, False))
     return tuple(listed)

@@ -79,6 +79,21 @@ class Series:
 
 
 @dataclass(frozen=True)
+class Adjusted:
+    """Parameters of a node that were changed while it ran.
+
+    Attributes:
+        tick: The first that used them.
+        node: Its name.
+        values: Dotted name → new value.
+    """
+
+    tick: int
+    node: str
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class Run:
     """A whole run.
 
@@ -89,6 +104,7 @@ class Run:
         series: Topic → what was seen on it; topics nobody published are left out.
         about: What a repetition needs (parameters, programme, versions, seed), as texts.
         notes: What is missing or was repaired, one sentence each; empty for a whole run.
+        adjusted: Parameters changed during the run, in the order of time.
     """
 
     tick: float
@@ -97,6 +113,7 @@ class Run:
     series: Mapping[str, Series]
     about: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    adjusted: tuple[Adjusted, ...] = ()
 
     def __getitem__(self, topic: str) -> Series:
         if topic not in self.series:
@@ -142,6 +159,11 @@ class RunRecorder:
         self._about = dict(about or {})
         self._ticks: dict[str, list[int]] = {name: [] for name in TOPICS}
         self._samples: dict[str, list[Sample]] = {name: [] for name in TOPICS}
+        self._adjusted: list[Adjusted] = []
+
+    def adjust(self, adjusted: Adjusted) -> None:
+        """Keeps a change of parameters."""
+        self._adjusted.append(adjusted)
 
     def add(self, topic: str, tick: int, sample: Sample) -> None:
         """Keeps one sample; samples of a topic come in the order of their ticks.
@@ -160,7 +182,8 @@ class RunRecorder:
             if collected:
                 ticks = np.array(self._ticks[name], dtype=np.int64)
                 series[name] = stacked(TOPICS[name], ticks, ticks * tick_ns, collected)
-        return Run(self._tick, self._joint_names, self._urdf, series, self._about, notes)
+        adjusted = tuple(self._adjusted)
+        return Run(self._tick, self._joint_names, self._urdf, series, self._about, notes, adjusted)
 
 
 def stacked(topic: Topic, ticks: Integers, stamps: Integers, collected: list[Any]) -> Series:

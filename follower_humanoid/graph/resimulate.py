@@ -4,6 +4,7 @@ Everything that acted on the robot from outside is in the bag: the parameters, t
 the wrenches that people and the leader applied. What is taken from the bag:
 
 - the applied wrenches, in the place of the leader and of people;
+- parameters that were changed during the run, at their ticks;
 - resets, told by the robot standing as at time 0 again;
 - the topics of nodes that were not this package's own (`bringup --without NODE`).
 """
@@ -12,21 +13,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from follower_humanoid.bag.about import VERSIONS, versions
-from follower_humanoid.core.config import parameters_of
+from follower_humanoid.core.config import build, parameters_of
 from follower_humanoid.core.samples import Wrench
 from follower_humanoid.core.yaml_file import parse_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.graph_config import LEADER
 from follower_humanoid.graph.node_configs import node_parameters
-from follower_humanoid.graph.record import Run, RunRecorder, Series
+from follower_humanoid.graph.record import Adjusted, Run, RunRecorder, Series
+from follower_humanoid.graph.repetition_notes import repetition_notes
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, NodeWiring, nodes_with
 
@@ -35,7 +36,7 @@ SEQUENCE = "sequence.yaml"
 _COMPOSITION = "motion_composition"
 _KEY = "ros__parameters"
 # Input of the simulator → topic that tells what acted.
-_APPLIED = {
+APPLIED = {
     "leader_left": "left_hand/applied",
     "leader_right": "right_hand/applied",
     "push": "base/applied",
@@ -52,6 +53,7 @@ class Recorded:
         run: The recorded run.
         nodes: Nodes of the wiring table that ran.
         parameters: Node → dotted name → value, of the components.
+        adjusted: Changes of parameters of those nodes.
         resets: Ticks at which the robot was put back on its feet.
         notes: Why the repetition may come out differently, one sentence each.
     """
@@ -60,6 +62,7 @@ class Recorded:
     nodes: frozenset[str]
     parameters: Mapping[str, Mapping[str, Any]]
     resets: frozenset[int]
+    adjusted: tuple[Adjusted, ...] = ()
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -87,7 +90,7 @@ def repeatable(run: Run) -> Recorded:
         )
     if not run.urdf:
         raise ConfigurationError("the bag carries no URDF, which simulating it again needs")
-    for topic in _APPLIED.values():
+    for topic in APPLIED.values():
         if topic not in run:
             raise ConfigurationError(f"the bag holds no {topic}, which simulating it again needs")
     listed = str(values.get(SIMULATOR, {}).get("nodes", ",".join(NODES))).split(",")
@@ -96,11 +99,10 @@ def repeatable(run: Run) -> Recorded:
         names.add(ARM_TASK.name)
     nodes = frozenset(names & nodes_with(names).keys())
     resets = _resets(run)
-    notes = [*_version_notes(run), *_gap_notes(run), *_foreign_notes(run, nodes), *_frame_notes(run)]
-    if resets:
-        at = ", ".join(f"{tick * run.tick:.3f} s" for tick in sorted(resets))
-        notes.append(f"the robot was put back on its feet at {at}")
-    return Recorded(run, nodes, _component_parameters(values, nodes), resets, tuple(notes))
+    parameters = _component_parameters(values, nodes)
+    adjusted = _adjusted(run, nodes, parameters)
+    notes = tuple(repetition_notes(run, nodes, resets, adjusted, APPLIED.values()))
+    return Recorded(run, nodes, parameters, resets, adjusted, notes)
 
 
 def _carried_parameters(run: Run) -> dict[str, dict[str, Any]]:
@@ -131,6 +133,29 @@ def _component_parameters(
     return parameters
 
 
+def _adjusted(
+    run: Run, nodes: frozenset[str], parameters: Mapping[str, Mapping[str, Any]]
+) -> tuple[Adjusted, ...]:
+    """What was changed while it ran, of the nodes that are simulated again.
+
+    Raises:
+        ConfigurationError: This version of the package cannot change it while it runs.
+    """
+    found, table, values = [], nodes_with(nodes), {name: dict(given) for name, given in parameters.items()}
+    for change in run.adjusted:
+        if change.node not in nodes:
+            continue
+        config = table[change.node].component_class().Config
+        adjustable = {info.name for info in parameters_of(config) if not info.read_only}
+        for name in change.values:
+            if name not in adjustable:
+                raise UnknownNameError(f"parameter of {change.node} changed in the bag", name, adjustable)
+        values[change.node].update(change.values)
+        build(config, values[change.node], change.node)
+        found.append(change)
+    return tuple(found)
+
+
 def _resets(run: Run) -> frozenset[int]:
     """Ticks at which joints and base are again, bit for bit, where they were at time 0."""
     joints, base = run["joint_states"], run["odom"]
@@ -140,40 +165,6 @@ def _resets(run: Run) -> frozenset[int]:
     at_start = (state == state[0]).all(axis=1)
     began = np.flatnonzero(at_start[1:] & ~at_start[:-1]) + 1
     return frozenset(int(tick) for tick in joints.ticks[began] if tick % _PERIODS == 0)
-
-
-def _version_notes(run: Run) -> Iterator[str]:
-    try:
-        recorded = parse_yaml(run.about.get(VERSIONS, ""), VERSIONS) or {}
-    except ConfigurationError:
-        recorded = {}
-    here = versions()
-    for name, version in recorded.items() if isinstance(recorded, dict) else ():
-        if name in here and here[name] != version:
-            yield f"recorded with {name} {version}, here is {here[name]}: the last bits may differ"
-
-
-def _gap_notes(run: Run) -> Iterator[str]:
-    count = int(run["joint_states"].ticks[-1]) + 1
-    for topic in _APPLIED.values():
-        missing = count - len(np.unique(run[topic].ticks))
-        if missing > 0:
-            yield f"{topic}: {missing} of {count} ticks are missing; the wrench before is held there"
-
-
-def _foreign_notes(run: Run, nodes: frozenset[str]) -> Iterator[str]:
-    for name in sorted(NODES.keys() - nodes - {LEADER}):
-        topics = [topic for topic in NODES[name].outputs.values() if topic in run]
-        if topics:
-            yield f"{name} was somebody else's: what it published is taken from the bag ({', '.join(topics)})"
-
-
-def _frame_notes(run: Run) -> Iterator[str]:
-    for topic in ("leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"):
-        frames = set(run[topic].texts["frame"]) - {"", "world"} if topic in run else set()
-        if frames:
-            listed = ", ".join(sorted(frames))
-            yield f"{topic} came in axes of {listed}; what is repeated is its mean over each tick in world"
 
 
 class Repetition(Chain):
@@ -194,8 +185,11 @@ class Repetition(Chain):
         more = tuple(recorded.table.keys() - NODES.keys())
         super().__init__(parameters, recorded.run.tick, str(urdf), absent, more=more)
         self.recorder = _NoRecorder(recorded.run.tick, self.robot.joint_names, self.robot.urdf)
+        self._changes: dict[int, list[Adjusted]] = {}
+        for change in recorded.adjusted:
+            self._changes.setdefault(change.tick, []).append(change)
         self._held = {
-            name: _Held(recorded.run[topic], recorded.ticks) for name, topic in _APPLIED.items()
+            name: _Held(recorded.run[topic], recorded.ticks) for name, topic in APPLIED.items()
         }
         self._foreign = {
             topic: samples_of(recorded.run[topic])
@@ -207,6 +201,8 @@ class Repetition(Chain):
 
     def advance(self) -> None:
         """One control tick, or the reset that took its place."""
+        for change in self._changes.get(self.tick, ()):
+            self.adjust(change.node, change.values)
         for topic, samples in self._foreign.items():
             if self.tick in samples:
                 self._flow[topic][self.tick] = samples[self.tick]

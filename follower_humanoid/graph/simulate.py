@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from follower_humanoid.core.config import build
-from follower_humanoid.graph.record import Run, RunRecorder
+from follower_humanoid.graph.record import Adjusted, Run, RunRecorder
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, NodeWiring, nodes_with, used_tick
 from follower_humanoid.robot.model import RobotModel
 
@@ -62,6 +62,18 @@ class Chain:
                 self._publish(node, self.components[node.name].step(self._inputs(node), time))
         self.simulator.advance(self._inputs(simulator))
         self.tick += 1
+
+    def adjust(self, node: str, values: Mapping[str, Any]) -> None:
+        """Changes parameters of a running component, as on a running node: the next tick uses them.
+
+        Raises:
+            ConfigurationError: A value cannot be used.
+        """
+        merged = {**self._parameters.get(node, {}), **values}
+        component = self.components[node]
+        component.reconfigure(build(type(component).Config, merged, node))
+        self._parameters = {**self._parameters, node: merged}
+        self.recorder.adjust(Adjusted(self.tick, node, dict(values)))
 
     def finish(self) -> Run:
         """What was recorded so far."""

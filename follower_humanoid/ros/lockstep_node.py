@@ -6,10 +6,12 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+from rclpy.parameter import Parameter
 from std_msgs.msg import Header
 
 from follower_humanoid.graph.lockstep import STALE, LockStep
 from follower_humanoid.graph.wiring import SIMULATOR, NodeWiring, node_wiring
+from follower_humanoid.ros.adjusted import AdjustedParameters
 from follower_humanoid.ros.barrier import RESET, Announcer, Barrier
 from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.codecs import Codec, stamp_of
@@ -55,6 +57,7 @@ class LockStepNode(ManagedNode):
             component_class = wiring.component_class()
         adjustable = hasattr(component_class, "reconfigure")
         self.config = declare(self, component_class.Config, adjustable)
+        self._adjusted = AdjustedParameters(self) if adjustable else None
         if adjustable:
             LiveConfig(self, self.config, self._reconfigure)
         self.component: Any = None
@@ -126,6 +129,8 @@ class LockStepNode(ManagedNode):
         }
         self.outlet = Outlet(self, self.codecs)
         self.outlet.watch(barrier, self.readers_of_more())
+        if self._adjusted is not None:
+            self._adjusted.open(barrier)
         self.inlet.open(self.codecs, barrier)
         if self.wiring.name != SIMULATOR:
             self.make_subscription(Header, RESET, self._receive_reset)
@@ -218,6 +223,8 @@ class LockStepNode(ManagedNode):
             self.started = True
             self._progress_at = now
             self.outlet.look()
+            if self._adjusted is not None:
+                self._adjusted.tell()
             self._announcer.announce()
             self.barrier_passed()
             self.run_ready_steps()
@@ -249,10 +256,12 @@ class LockStepNode(ManagedNode):
         """Steps taken so far."""
         return self._steps
 
-    def _reconfigure(self, config: Any) -> None:
+    def _reconfigure(self, config: Any, changed: list[Parameter]) -> None:
         self.config = config
         if self.component is not None:
             self.component.reconfigure(config)
+        if self._adjusted is not None:
+            self._adjusted.note(changed)
 
     @property
     def stamp(self) -> int:

@@ -88,8 +88,8 @@ class LiveConfig:
     A change is applied all or not at all; a refused one names parameter, value and bound.
     """
 
-    def __init__(self, node: Node, config: Any, apply: Callable[[Any], None]) -> None:
-        """Args: the node, its component's configuration, and what takes over a new one."""
+    def __init__(self, node: Node, config: Any, apply: Callable[[Any, list[Parameter]], None]) -> None:
+        """Args: the node, its component's configuration, and what takes over a new one and what is new."""
         self._config_class = type(config)
         self._node = node
         self._apply = apply
@@ -110,5 +110,6 @@ class LiveConfig:
         return SetParametersResult(successful=True)
 
     def _take_over(self, changed: list[Parameter]) -> None:
-        if any(p.name in self._infos for p in changed):
-            self._apply(build(self._config_class, self._values([])))
+        own = [parameter for parameter in changed if parameter.name in self._infos]
+        if own:
+            self._apply(build(self._config_class, self._values([])), own)
