@@ -167,13 +167,16 @@ def _option(error: Array, time: float, outlook: SwingOutlook, omega: float, conf
     """The best Δp and δ for a time of the swing, and what they leave."""
     landing, until = outlook.landing, outlook.until_lift_off + time
     c, s = math.cos(landing.yaw), math.sin(landing.yaw)
-    side = landing.side.sign
-    along, outward = c * error[0] + s * error[1], side * (-s * error[0] + c * error[1])
+    side, (x, y) = landing.side.sign, error.tolist()
+    along, outward = c * x + s * y, side * (-s * x + c * y)
     held = 1.0 - math.exp(-omega * until)
     weight = footprint_weight(until, outlook.transfer, omega)
     reserve_along = config.tolerance + held * config.zmp_along
     reserve_across = config.tolerance + held * config.zmp_across
     missing = np.array([_excess(along, reserve_along), _excess(outward, reserve_across)])
+    time_cost = ((time - outlook.time) / config.cost_time) ** 2
+    if not missing.any() and time >= outlook.time:
+        return Capture(time, missing, 0.0, time_cost)
     shift = np.array([
         min(max(missing[0] / weight, -config.forward), config.forward),
         min(max(missing[1] / weight, -config.inward), config.outward),
@@ -181,9 +184,8 @@ def _option(error: Array, time: float, outlook: SwingOutlook, omega: float, conf
     shift = _reachable(shift, time, outlook, config)
     left = missing - weight * shift
     offset = math.hypot(left[0], left[1]) * math.exp(omega * until)
-    cost = ((time - outlook.time) / config.cost_time) ** 2
-    cost += float(shift @ shift) / config.cost_place**2 + (offset / config.cost_offset) ** 2
-    return Capture(time, shift, offset, cost)
+    place_cost, offset_cost = float(shift @ shift) / config.cost_place**2, (offset / config.cost_offset) ** 2
+    return Capture(time, shift, offset, time_cost + place_cost + offset_cost)
 
 
 def _reachable(shift: Array, time: float, outlook: SwingOutlook, config: CaptureConfig) -> Array:
@@ -206,8 +208,10 @@ def _reachable(shift: Array, time: float, outlook: SwingOutlook, config: Capture
 
 def shifted(landing: FootPose, shift: Array) -> FootPose:
     """The landing place moved by (forward, outward)."""
-    x, y = landing.point(float(shift[0]), landing.side.sign * float(shift[1]))
-    return FootPose(landing.side, float(x), float(y), landing.yaw, landing.z)
+    if not shift.any():
+        return landing
+    x, y = landing.point(float(shift[0]), landing.side.sign * float(shift[1])).tolist()
+    return FootPose(landing.side, x, y, landing.yaw, landing.z)
 
 
 def _excess(value: float, reserve: float) -> float:

@@ -54,8 +54,8 @@ class MinimumJerkChannel:
     def reset(self, position: Array) -> None:
         """Puts the channel at rest at a position."""
         self.position: Array = np.array(position, dtype=float)
-        self.velocity: Array = np.zeros_like(self.position)
-        self.acceleration: Array = np.zeros_like(self.position)
+        self.velocity: Array = np.zeros(len(self.position))
+        self.acceleration: Array = np.zeros(len(self.position))
 
     def advance(self, target: Array, remaining: float, dt: float) -> None:
         """One tick along the quintic from the present state to rest at the target.
@@ -74,10 +74,10 @@ class MinimumJerkChannel:
 
     def hold(self, dt: float, settling: float = 0.05) -> None:
         """No primitive owns the channel: what speed is left fades within `settling` [s]."""
-        decay = max(0.0, 1.0 - dt / settling)
-        self.velocity = self.velocity * decay
-        self.acceleration = np.zeros_like(self.position)
-        self.position = self.position + dt * self.velocity
+        self.acceleration = np.zeros(len(self.position))
+        if self.velocity.any():
+            self.velocity = self.velocity * max(0.0, 1.0 - dt / settling)
+            self.position = self.position + dt * self.velocity
 
 
 class ConstantSpeedChannel:
@@ -93,7 +93,7 @@ class ConstantSpeedChannel:
     def reset(self, position: Array) -> None:
         """Puts the channel at rest at a position."""
         self.position: Array = np.array(position, dtype=float)
-        self.velocity: Array = np.zeros_like(self.position)
+        self.velocity: Array = np.zeros(len(self.position))
 
     def advance(self, target: Array, remaining: float, dt: float) -> None:
         """One tick towards the target; see `MinimumJerkChannel.advance`."""
@@ -105,4 +105,4 @@ class ConstantSpeedChannel:
 
     def hold(self, dt: float) -> None:
         """No primitive owns the channel: it stays."""
-        self.velocity = np.zeros_like(self.position)
+        self.velocity = np.zeros(len(self.position))

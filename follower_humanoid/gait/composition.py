@@ -79,24 +79,25 @@ class MotionComposition:
         self._motion: ReferenceMotion | None = None
         self._footsteps_sent: tuple[int, float | None] | None = None
         self._lengths: list[float] = []
+        self._asked: Gait | None = None
+        self._gait = STANDING
+        self._cut = False
         self._cut_ticks = 0
 
     def step(self, inputs: CompositionInputs, time: float) -> CompositionOutputs:
         """One tick: walking parameters in, joint reference out."""
         del time
-        q = self._robot.configuration(inputs.odometry, inputs.joints.position)
         if self._motion is None:
+            q = self._measured(inputs)
             feet = {side: self._measured_foot(side, q) for side in SIDES}
             self._motion = ReferenceMotion(self._config, self._robot, self._sequence, feet, q)
         motion, walker = self._motion, self._motion.walker
-        asked = inputs.gait if inputs.gait is not None else STANDING
-        gait = limited(asked, self._config.limits)
-        self._cut_ticks += int(gait != asked)
+        gait = self._limited(inputs.gait)
         loads = {Side.LEFT: float(inputs.left_foot.force[2]), Side.RIGHT: float(inputs.right_foot.force[2])}
         dcm = None if inputs.dcm is None else inputs.dcm.xyz[:2]
         landed = walker.step(gait, loads, motion.body.toes, motion.steady, self._period)
         if landed is not None:
-            self._anchor(walker, landed, q)
+            self._anchor(walker, landed, self._measured(inputs))
         coming = motion.advance(gait, dcm, self._period)
         reference, base = motion.body.samples()
         pendulum = motion.pendulum.state
@@ -121,6 +122,18 @@ class MotionComposition:
             "heading [rad]": heading,
             "gait_limited_ticks": self._cut_ticks,
         }
+
+    def _measured(self, inputs: CompositionInputs) -> Array:
+        return self._robot.configuration(inputs.odometry, inputs.joints.position)
+
+    def _limited(self, asked: Gait | None) -> Gait:
+        """The walking parameters within their limits, standing before the first ones; counts what was cut."""
+        if asked is not self._asked:
+            self._asked = asked
+            self._gait = STANDING if asked is None else limited(asked, self._config.limits)
+            self._cut = asked is not None and self._gait != asked
+        self._cut_ticks += int(self._cut)
+        return self._gait
 
     def _measured_foot(self, side: Side, q: Array) -> FootPose:
         pin.forwardKinematics(self._robot.pin_model, self._data, q)

@@ -61,6 +61,10 @@ class HalfStep:
         self._sequence = sequence
         self._phases = sequence.phases
         self._index = 0
+        swings = [phase.share if phase.single_support else 0.0 for phase in self._phases]
+        # Of the swing, the part before and during each phase.
+        whole = sum(swings)
+        self._swing_parts = [(sum(swings[:n]) / whole, part / whole) for n, part in enumerate(swings)]
         self._shortest_transfer = shortest_transfer
         self._targets: dict[tuple[int, int], Array] = {}
         self.stance = stance
@@ -85,11 +89,8 @@ class HalfStep:
     @property
     def swing_progress(self) -> float:
         """Progress over all phases of single support, 0…1; 0 before them."""
-        if not self.single_support:
-            return 0.0
-        shares = [phase.share for phase in self._phases if phase.single_support]
-        past = sum(p.share for p in self._phases[: self._index] if p.single_support)
-        return (past + self.progress * self.phase.share) / sum(shares)
+        past, present = self._swing_parts[self._index]
+        return past + self.progress * present
 
     def until_lift_off(self) -> float:
         """Time until the swing foot leaves the ground by plan, 0 once it has [s]."""
@@ -173,8 +174,7 @@ class HalfStep:
     def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
         """Names of the active primitives and their completion."""
         running = [p for p in self.phase.primitives if p.active(self.progress)]
-        names = tuple(primitive_name(p) for p in running)
-        return names, tuple(p.completion(self.progress) for p in running)
+        return tuple(map(primitive_name, running)), tuple([p.completion(self.progress) for p in running])
 
 
 def phase_zmp_plan(phase: Phase, begin: float, context: StepContext, time: float) -> list[ZmpLeg]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.gait.swing_momentum import MomentumConfig, MomentumRate
 from follower_humanoid.robot.model import GRAVITY
@@ -29,6 +30,38 @@ class PendulumState:
     com_velocity: Array
     dcm: Array
     zmp: Array
+
+
+@kernel(
+    "float64[:,::1](float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1],"
+    " float64, float64, float64, float64)"
+)
+def swung(
+    com: Array, dcm: Array, zmp_plan: Array, dcm_plan: Array, momentum: Array, momentum_rate: Array,
+    omega: float, convergence: float, reach: float, dt: float,
+) -> Array:  # fmt: skip
+    """One tick of `ReferencePendulum.advance` from com and dcm on, with λ and λ̇ of the reference motion.
+
+    Returns:
+        The new CoM, its velocity, the new DCM, and the ZMP, shape (4, 2).
+    """
+    gain = 1.0 + convergence / omega
+    shift_x = gain * (dcm[0] - dcm_plan[0] + omega * momentum[0])
+    shift_y = gain * (dcm[1] - dcm_plan[1] + omega * momentum[1])
+    distance = math.hypot(shift_x, shift_y)
+    cut = reach / distance if distance > reach else 1.0
+    # Exact solution of c̈ = ω²(c − p − λ̇) over dt with p + λ̇ constant.
+    growth = math.exp(omega * dt)
+    cosh, sinh = 0.5 * (growth + 1.0 / growth), 0.5 * (growth - 1.0 / growth)
+    state = np.empty((4, 2))
+    for i, shift in enumerate((shift_x, shift_y)):
+        zmp = zmp_plan[i] - omega * momentum[i] + cut * shift
+        pivot = zmp + momentum_rate[i]
+        com_then = pivot + cosh * (com[i] - pivot) + sinh * (dcm[i] - com[i])
+        dcm_then = pivot + growth * (dcm[i] - pivot)
+        state[0, i], state[1, i] = com_then, omega * (dcm_then - com_then)
+        state[2, i], state[3, i] = dcm_then, zmp
+    return state
 
 
 class ReferencePendulum:
@@ -79,18 +112,9 @@ class ReferencePendulum:
         """
         old = self.state
         rate = self._momentum_rate.step(momentum, dt)
-        shift = (1.0 + convergence / omega) * (old.dcm - dcm_plan + omega * momentum)
-        distance = math.hypot(shift[0], shift[1])
-        if distance > reach:
-            shift = shift * (reach / distance)
-        zmp = zmp_plan - omega * momentum + shift
-        pivot = zmp + rate
-        # Exact solution of c̈ = ω²(c − p − λ̇) over dt with p + λ̇ constant.
-        growth = math.exp(omega * dt)
-        dcm = pivot + growth * (old.dcm - pivot)
-        cosh, sinh = 0.5 * (growth + 1.0 / growth), 0.5 * (growth - 1.0 / growth)
-        com = pivot + cosh * (old.com - pivot) + sinh * (old.dcm - old.com)
-        self.state = PendulumState(com, omega * (dcm - com), dcm, zmp)
+        self.state = PendulumState(
+            *swung(old.com, old.dcm, zmp_plan, dcm_plan, momentum, rate, omega, convergence, reach, dt)
+        )
         return self.state
 
 
@@ -101,7 +125,8 @@ def momentum_shift(angular_momentum: Array, mass: float) -> Array:
         angular_momentum: L in world, shape (3,) [kg·m²/s].
         mass: [kg].
     """
-    return np.array([angular_momentum[1], -angular_momentum[0]]) / (mass * GRAVITY)
+    x, y, _ = angular_momentum.tolist()
+    return np.array([y / (mass * GRAVITY), -x / (mass * GRAVITY)])
 
 
 def natural_frequency(height: float) -> float:

@@ -99,7 +99,7 @@ class ReferenceMotion:
         wanted = capture(dcm, outlook, omega, config)
         walker.catch(wanted, outlook)
         self.steady = wanted.offset < config.lift_off or not self._held_by_feet(dcm)
-        if np.any(wanted.shift != 0.0) and not outlook.lead:
+        if not outlook.lead and wanted.shift.any():
             self.walker.recovering = True
 
     def _held_by_feet(self, dcm: Array) -> bool:

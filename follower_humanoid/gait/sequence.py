@@ -101,11 +101,18 @@ class Sequence:
 
     def phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase in a half-step of `duration` [s]."""
-        double = self.double_share
-        squeeze = min(1.0, max(0.5, duration / self.brisk_time)) if self.brisk_time > 0.0 else 1.0
+        double, squeeze = self.double_share, self._squeeze(duration)
         if phase.single_support:
             return duration * phase.share * (1.0 - squeeze * double) / (1.0 - double)
         return duration * phase.share * squeeze
+
+    def double_time(self, duration: float) -> float:
+        """Time on both feet in a half-step of `duration` [s]."""
+        return duration * self.double_share * self._squeeze(duration)
+
+    def _squeeze(self, duration: float) -> float:
+        """Factor on the double support of a quick step."""
+        return min(1.0, max(0.5, duration / self.brisk_time)) if self.brisk_time > 0.0 else 1.0
 
 
 def primitive_name(primitive: Primitive) -> str:

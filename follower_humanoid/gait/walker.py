@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -60,6 +61,8 @@ class Walker:
         self.shares = dict.fromkeys(SIDES, 1.0)
         self.taken: list[tuple[FootPose, bool]] = []
         self._stand_remaining = config.stand_time
+        # Asked for again and again while nothing changes.
+        self._landing_pose = lru_cache(maxsize=16)(landing_pose)
         self._pace = Gait(1.0, 0.0, 1.0, 1.0, 0.0)
 
     @property
@@ -126,14 +129,13 @@ class Walker:
         lead, swing = plan.zmp[: plan.lift_off], plan.zmp[plan.lift_off : plan.landing]
         if half.single_support:
             lead, swing = [], plan.zmp[: plan.landing]
-        double = [phase for phase in self._sequence.phases if not phase.single_support]
         usual = shifted(self.landing, -self.shift)
         return SwingOutlook(
             zmp=self.zmp.position,
             lead=lead,
             swing=[(target, duration / half.pace) for target, duration in swing],
             rest=plan.zmp[plan.landing :],
-            transfer=sum(self._sequence.phase_time(phase, self._duration()) for phase in double),
+            transfer=self._sequence.double_time(self._duration()),
             moved=self.landing.xy - usual.xy,
             landing=usual,
             foot=half.swing.place.position,
@@ -253,7 +255,7 @@ class Walker:
     def _landing(self, stance: FootPose, gait: Gait) -> FootPose:
         if gait.walk_speed == 0.0:
             return beside(stance, self._footsteps)
-        return landing_pose(stance, gait, self._footsteps)
+        return self._landing_pose(stance, gait, self._footsteps)
 
     def _duration(self) -> float:
         time = self._config.half_step_time * self._pace.step_length / self._pace.walk_speed

@@ -42,6 +42,7 @@ class ReferenceBody:
         self._toes = {side: robot.joint_index(f"{side.prefix}_toe_pitch") for side in SIDES}
         self._hip_offset = float(model.jointPlacements[model.getJointId("l_hip_yaw")].translation[1])
         self._ankle_height = -float(model.frames[robot.frame_id("l_sole")].placement.translation[2])
+        self._hips = dict.fromkeys(SIDES, (0.0, 0.0))
         self._joints = len(robot.joint_names)
         self._pelvis = PelvisHeight(config.pelvis, float(q[2]))
         self.ik = DifferentialIk(robot, config.ik, q)
@@ -93,6 +94,7 @@ class ReferenceBody:
             com = com_after(walker.zmp.position, pendulum.com, pendulum.dcm, ahead, later, omega, horizon)
             return com - pendulum.com
 
+        self._locate_hips()
         reaches = []
         for side, sole in self.ik.soles.items():
             x, y, z = sole[3].tolist()
@@ -113,10 +115,15 @@ class ReferenceBody:
 
     def _reach(self, x: float, y: float, z: float, side: Side) -> Reach:
         """From the hip of the reference to the ankle above a sole at x, y, z in world [m]."""
-        _, left, _, (hip_x, hip_y, _) = self.ik.base.tolist()
-        aside = side.sign * self._hip_offset
-        hip_x, hip_y = hip_x + aside * left[0], hip_y + aside * left[1]
+        hip_x, hip_y = self._hips[side]
         return Reach(z + self._ankle_height, math.hypot(x - hip_x, y - hip_y))
+
+    def _locate_hips(self) -> None:
+        """Where the hips of the reference are over the ground [m]."""
+        _, left, _, (x, y, _) = self.ik.base.tolist()
+        for side in SIDES:
+            aside = side.sign * self._hip_offset
+            self._hips[side] = (x + aside * left[0], y + aside * left[1])
 
 
 def _about_z(yaw: float) -> Array:
