@@ -52,7 +52,7 @@ class RobotPlant:
         soles, motors, stops: What acts between robot and world, and in its joints.
         acceleration: Solution of the last step, shape (51,).
         base_acceleration: Mean over the last step, of the base_link origin, in world, (3,) [m/s²].
-        effort: Eq. (13)'s torque of the last step, shape (45,) [N·m].
+        effort: Eq. (13)'s torque of the last step, shape (45,) [N·m]; a new array in every step.
         time: Simulated time [s].
         passes: Solutions that the last step needed.
         settled: False if contact states still changed after the last of them.

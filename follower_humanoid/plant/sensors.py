@@ -114,7 +114,7 @@ class Sensors:
         self._rotation, self._spin = plant.rotation, plant.bullet.base_spin
         self._acceleration = np.zeros_like(plant.v)
         self._biases = {
-            name: np.array(getattr(config, name))
+            name: np.array(getattr(config, name)) if any(getattr(config, name)) else None
             for name in ("left_wrist_bias", "right_wrist_bias", "gyro_bias", "accelerometer_bias")
         }
 
@@ -162,31 +162,32 @@ class Sensors:
 
     def read(self) -> Readings:
         """Every sensor at the current tick."""
-        plant, config = self._plant, self._config
-        quat, spin = plant.q[3:7].copy(), plant.v[3:6]
+        plant, config, biases = self._plant, self._config, self._biases
+        # Copied in one piece; what is read are parts of the copies.
+        q, v = plant.q.copy(), plant.v.copy()
         specific_force = self._specific_force / self._count
         left_foot, right_foot = self._read_feet()
         return Readings(
             joints=Joints(
-                self._noisy(plant.q[7:], config.position_noise),
-                self._noisy(plant.v[BASE_DOF:], config.velocity_noise),
-                plant.effort.copy(),
+                self._measured(q[7:], config.position_noise),
+                self._measured(v[BASE_DOF:], config.velocity_noise),
+                plant.effort,
             ),
             odometry=Odometry(
-                self._noisy(plant.q[:3], config.odometry_position_noise),
-                quat,
-                self._noisy(plant.v[:3], config.odometry_velocity_noise),
-                spin.copy(),
+                self._measured(q[:3], config.odometry_position_noise),
+                q[3:7],
+                self._measured(v[:3], config.odometry_velocity_noise),
+                v[3:6],
             ),
             imu=Inertial(
-                quat,
-                self._noisy(spin + self._biases["gyro_bias"], config.gyro_noise),
-                self._noisy(specific_force + self._biases["accelerometer_bias"], config.accelerometer_noise),
+                q[3:7],
+                self._measured(v[3:6], config.gyro_noise, biases["gyro_bias"]),
+                self._measured(specific_force, config.accelerometer_noise, biases["accelerometer_bias"]),
             ),
             left_foot=left_foot,
             right_foot=right_foot,
-            left_wrist=self._read_wrist(0, self._biases["left_wrist_bias"]),
-            right_wrist=self._read_wrist(1, self._biases["right_wrist_bias"]),
+            left_wrist=self._read_wrist(0, biases["left_wrist_bias"]),
+            right_wrist=self._read_wrist(1, biases["right_wrist_bias"]),
         )
 
     def _read_feet(self) -> list[Wrench]:
@@ -202,24 +203,25 @@ class Sensors:
             seen_from(pose, sole.axes, sole.offset, total, self._count, force, torque)
             feet.append(
                 Wrench(
-                    self._noisy(force, self._config.foot_force_noise),
-                    self._noisy(torque, self._config.foot_torque_noise),
+                    self._measured(force, self._config.foot_force_noise),
+                    self._measured(torque, self._config.foot_torque_noise),
                 )
             )
         return feet
 
-    def _read_wrist(self, hand: int, bias: Array) -> Wrench:
+    def _read_wrist(self, hand: int, bias: Array | None) -> Wrench:
         mean = self._wrists[hand] / self._count
         displaced = self._hands[hand].displaced
         if displaced is not None:
             mean = displaced.actInv(pin.Force(mean)).vector
         return Wrench(
-            self._noisy(mean[:3] + bias, self._config.wrist_force_noise),
-            self._noisy(mean[3:], self._config.wrist_torque_noise),
+            self._measured(mean[:3], self._config.wrist_force_noise, bias),
+            self._measured(mean[3:], self._config.wrist_torque_noise),
         )
 
-    def _noisy(self, value: Array, deviation: float) -> Array:
-        if deviation == 0.0:
-            same: Array = value.copy()
-            return same
-        return np.asarray(value + self._random.normal(0.0, deviation, value.shape))
+    def _measured(self, value: Array, deviation: float, bias: Array | None = None) -> Array:
+        if bias is not None:
+            value = value + bias
+        if deviation > 0.0:
+            value = value + self._random.normal(0.0, deviation, value.shape)
+        return value
