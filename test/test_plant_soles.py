@@ -130,3 +130,16 @@ def test_stands_for_all_steps_and_stiffnesses(step, stiffness):
         simulator.advance(Simulator.Inputs())
     assert np.abs(plant.q - start).max() < 1e-6
     simulator.close()
+
+
+def test_on_a_slope_the_weight_pulls_down_hill_and_the_ground_answers():
+    slope = 0.03
+    simulator = plant_from(without(CENTERED, ground__slope=slope))
+    voltage, weight = hold_voltage(simulator), plant_mass(simulator) * GRAVITY
+    forces = []
+    for _ in range(200):
+        simulator.advance(commands(voltage))
+        forces.append(simulator.plant.soles.force.sum(axis=0))
+    assert np.mean(forces, axis=0)[0] == pytest.approx(-weight * np.sin(slope), rel=0.1)
+    assert np.mean(forces, axis=0)[2] == pytest.approx(weight * np.cos(slope), rel=1e-2)
+    simulator.close()

@@ -28,10 +28,15 @@ def main(args: list[str] | None = None) -> int:
     )
     parser.add_argument("--brief", action="store_true", help="the short form that runs with the tests")
     parser.add_argument("--faults", action="store_true", help="try faults instead, see docs/reliability.md")
+    parser.add_argument("--robust", action="store_true", help="disturb it instead, see docs/tuning.md")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table as JSON")
     options = parser.parse_args(args)
     try:
-        known = _faults(options.brief) if options.faults else _scenarios(options.brief)
+        known = _scenarios(options.brief)
+        if options.faults:
+            known = _faults(options.brief)
+        elif options.robust:
+            known = _disturbances()
         chosen = _choose(options.only, known)
         _check_writable(options.json)
     except FollowerError as error:
@@ -122,6 +127,17 @@ def _faults(brief: bool) -> Runs:
         return _lines(fault.try_it(Effort(brief)))
 
     return {fault.name: functools.partial(tried, fault) for fault in FAULTS if fault.brief or not brief}
+
+
+def _disturbances() -> Runs:
+    """Name → what disturbs the robot, in the order of the table."""
+    from follower_humanoid.bench.disturbances import ROWS
+
+    def tried(name: str) -> list[Check]:
+        print(f"\n{name}", flush=True)
+        return _lines(ROWS[name]())
+
+    return {name: functools.partial(tried, name) for name in ROWS}
 
 
 def _choose(names: list[str], known: Runs) -> Runs:

@@ -23,7 +23,7 @@ from follower_humanoid.plant.soles import SoleConfig, Soles
 from follower_humanoid.plant.standing import StandingConfig, standing
 from follower_humanoid.plant.stops import StopConfig, Stops
 from follower_humanoid.plant.world import World
-from follower_humanoid.robot.model import BASE_DOF, Indices, RobotModel
+from follower_humanoid.robot.model import BASE_DOF, GRAVITY, Indices, RobotModel
 from follower_humanoid.robot.pose_table import pose_table
 
 # Solving again when points change between sticking, slipping and lifting; then forces are clipped.
@@ -109,8 +109,10 @@ class RobotPlant:
         return BulletRobot(self.world, bullet_body(urdf, held), names, self.robot.groups.arms)
 
     def stand(self) -> None:
-        """Puts the robot into static equilibrium at the world's origin."""
+        """Puts the robot into static equilibrium at the world's origin; a slope pulls from then on."""
+        self.model.gravity.linear = np.array([0.0, 0.0, -GRAVITY])
         state = standing(self.robot, self.model, self._posture, self._stiffness)
+        self.model.gravity.linear = self.world.ground.gravity
         self.bullet.place(state.configuration, np.zeros(self.model.nv))
         self.renew_dynamics()
         if not self._held.size:  # a fixed trunk needs no ground

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
-from follower_humanoid.robot.model import GRAVITY, Indices
+from follower_humanoid.robot.model import Indices
 
 
 @kernel(
@@ -42,11 +42,12 @@ def mean_acceleration(
             acceleration[3 + axis] += rotation[row, axis] * (spin[row] - spin_before[row]) / step
 
 
-@kernel("void(float64[::1], float64[:,::1], float64[::1])")
-def add_specific_force(base: Array, rotation: Array, total: Array) -> None:
+@kernel("void(float64[::1], float64[::1], float64[:,::1], float64[::1])")
+def add_specific_force(base: Array, gravity: Array, rotation: Array, total: Array) -> None:
     """Adds Rᵀ (ẍ − g) of the base to the accelerometer's sum, (3,)."""
     for axis in range(3):
-        total[axis] += rotation[2, axis] * GRAVITY
+        for row in range(3):
+            total[axis] -= rotation[row, axis] * gravity[row]
         for row in range(3):
             total[axis] += rotation[row, axis] * base[row]
 

@@ -135,7 +135,8 @@ class Sensors:
         plant = self._plant
         if plant.soles.touching:
             plant.soles.add_wrenches_to(self._feet)
-        add_specific_force(plant.base_acceleration, self._rotation, self._specific_force)
+        gravity = plant.world.ground.gravity
+        add_specific_force(plant.base_acceleration, gravity, self._rotation, self._specific_force)
         mean_acceleration(
             self._v, plant.v, self._spin, plant.bullet.base_spin, plant.base_acceleration, self._rotation,
             plant.world.step_length, self._acceleration,

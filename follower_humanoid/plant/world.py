@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from dataclasses import dataclass
 
+import numpy as np
 import pybullet
 
 from follower_humanoid.core.config import parameter
@@ -19,6 +21,9 @@ class GroundConfig:
     """The ground under the robot."""
 
     friction: float = parameter(0.8, "Coulomb friction of the ground, soles and other links", "", 0.0, 2.0)
+    slope: float = parameter(
+        0.0, "how much the ground falls ahead at the start; `world` is level with it", "rad", -0.5, 0.5
+    )
 
 
 class Ground:
@@ -26,11 +31,14 @@ class Ground:
 
     Attributes:
         friction: Coulomb coefficient.
+        gravity: Acceleration in world, whose z axis is normal to the ground, shape (3,) [m/s²].
     """
 
     def __init__(self, config: GroundConfig) -> None:
-        """A level ground."""
+        """A plane, on which gravity need not be normal."""
         self.friction = config.friction
+        ahead, down = math.sin(config.slope), math.cos(config.slope)
+        self.gravity: Array = np.array([GRAVITY * ahead, 0.0, -GRAVITY * down])
 
     def depth(self, points: Array) -> Array:
         """How far below the ground points in world are, shape (n, 3) → (n,) [m]; negative above."""
@@ -58,7 +66,7 @@ class World:
             fixedTimeStep=step_length, numSolverIterations=50, numSubSteps=0,
             deterministicOverlappingPairs=1, enableFileCaching=0, physicsClientId=self.client,
         )
-        pybullet.setGravity(0, 0, -GRAVITY, physicsClientId=self.client)
+        pybullet.setGravity(*ground.gravity, physicsClientId=self.client)
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self.client)
         self.ground_body: int = pybullet.createMultiBody(0, plane, physicsClientId=self.client)
         pybullet.changeDynamics(
