@@ -29,9 +29,13 @@ def main(args: list[str] | None = None) -> int:
     parser.add_argument("--brief", action="store_true", help="the short form that runs with the tests")
     parser.add_argument("--faults", action="store_true", help="try faults instead, see docs/reliability.md")
     parser.add_argument("--robust", action="store_true", help="disturb it instead, see docs/tuning.md")
+    parser.add_argument("--speed", action="store_true", help="measure speed instead, see docs/speed.md")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table as JSON")
     options = parser.parse_args(args)
     try:
+        if options.speed:
+            _check_writable(options.json)
+            return _speed(options.brief, options.json)
         known = _scenarios(options.brief)
         if options.faults:
             known = _faults(options.brief)
@@ -61,6 +65,20 @@ def run_scenario(scenario: Scenario) -> list[Check]:
     speed = scenario.duration / (time.perf_counter() - started)
     checks = _until_a_fall(scenario.checks(Evidence.of(run)))
     return _shown(f"{scenario.name} ({scenario.duration:g} s simulated, {speed:.2f} × real time)", checks)
+
+
+def _speed(brief: bool, path: Path | None) -> int:
+    """Measures speed and prints tables; 0 = every number holds."""
+    from follower_humanoid.bench import speed
+
+    seconds, repeats = (1.0, 1) if brief else (6.0, 3)
+    costs = speed.measure(seconds, repeats, lambda text: print(text, file=sys.stderr, flush=True))
+    print(f"\nspeed (fig. 4, {seconds:g} s simulated, median of {repeats})\n{speed.table(costs)}\n")
+    checks = _lines(speed.checks(costs))
+    if path is not None:
+        numbers = {**speed.as_numbers(costs), "checks": [dataclasses.asdict(check) for check in checks]}
+        path.write_text(json.dumps(numbers, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    return 0 if all(check.passed for check in checks) else 1
 
 
 def run_graph() -> list[Check]:

@@ -75,7 +75,7 @@ class LockStepNode(ManagedNode):
         self._barrier: Barrier | None = None
         self._rate = Rate()
         self._steps = 0
-        self._busy = 0.0
+        self._busy = self._cpu_from = 0.0
         self._given_up = 0
         self._progress_at = self._told_at = time.monotonic()
         self._announcer = Announcer(self)
@@ -225,6 +225,7 @@ class LockStepNode(ManagedNode):
             self.outlet.look()
             if self._adjusted is not None:
                 self._adjusted.tell()
+            self._cpu_from = time.process_time()
             self._announcer.announce()
             self.barrier_passed()
             self.run_ready_steps()
@@ -256,6 +257,12 @@ class LockStepNode(ManagedNode):
         """Steps taken so far."""
         return self._steps
 
+    def _cpu_per_tick(self) -> float:
+        """Of the whole process, since the start."""
+        if not self.started or self.lock.tick == 0:
+            return 0.0
+        return (time.process_time() - self._cpu_from) / self.lock.tick
+
     def _reconfigure(self, config: Any, changed: list[Parameter]) -> None:
         self.config = config
         if self.component is not None:
@@ -275,6 +282,7 @@ class LockStepNode(ManagedNode):
             "tick": max(0, self.lock.tick - self.wiring.period),
             "rate [Hz]": self._rate.look(steps),
             "step_time [s]": busy / steps if steps else 0.0,
+            "process_cpu_per_tick [s]": self._cpu_per_tick(),
             "missed_ticks": self._given_up,
             "late_messages": self.lock.late,
             "stale_inputs": self.lock.stale,

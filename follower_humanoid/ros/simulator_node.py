@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger
 
 from follower_humanoid.graph.graph_config import LEADER, RECORDER, RunConfig
 from follower_humanoid.graph.lockstep import CLOCK
+from follower_humanoid.graph.pace import Durations, Pace
 from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
 from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
@@ -28,7 +29,6 @@ from follower_humanoid.ros.shared_robot import shared_robot
 
 FELL = 3
 _PACE = 0.0005  # wall time between two looks at the clock when paced [s]
-_GRACE = 1.0
 
 
 class SimulatorNode(LockStepNode):
@@ -45,12 +45,10 @@ class SimulatorNode(LockStepNode):
         self._inputs = self.wiring.component_class().Inputs
         self._input_of = {topic: name for name, topic in self.wiring.inputs.items()}
         self._people: dict[str, PeopleWrench] = {}
-        self._began = self._paced_from = 0.0
-        self._skew_tick = 0
+        self._began = self._stepped = 0.0
+        self._tick_times = Durations()
         self._speed = (0.0, 0)
-        self._in_real_time = False
-        if self.run.realtime:
-            self._keep_real_time()
+        self._pace: Pace | None = None
 
     def awaited_topics(self) -> tuple[str, ...]:
         """Commands of what can move, and the leader's wrenches where the built-in leader runs."""
@@ -94,27 +92,26 @@ class SimulatorNode(LockStepNode):
 
     def barrier_passed(self) -> None:
         """Time 0: the first state goes out."""
-        self._began = self._paced_from = time.monotonic()
+        self._began = self._stepped = time.monotonic()
+        self._began_at = time.time()
+        if self.run.realtime:
+            self._keep_real_time()
         self._publish_state()
 
     def may_step(self) -> bool:
         """In real time, not before the tick is over on the wall's clock too."""
         if self._waiting_for_all:
             return False
-        if not self.lock.paced and not self._in_real_time:
+        if not self.lock.paced and self._pace is None:
             self.tell_once("no commands with stamps of the tick: in real time from here on")
             self._keep_real_time()
-        if not self._in_real_time:
+        if self._pace is None:
             return True
-        ahead = (self.lock.tick + 1 - self._skew_tick) * self.graph.tick
-        ahead -= time.monotonic() - self._paced_from
-        if ahead < -_GRACE:  # too slow a machine: go on from here rather than race to catch up
-            self._paced_from, self._skew_tick = time.monotonic(), self.lock.tick
-        return ahead <= 0.0
+        # The state of a tick is out once it has begun: the next one begins a tick later.
+        return self._pace.may_begin(self.lock.tick + 1, time.monotonic())
 
     def _keep_real_time(self) -> None:
-        self._in_real_time = True
-        self._paced_from, self._skew_tick = time.monotonic(), self.lock.tick
+        self._pace = Pace(self.graph.tick, time.monotonic(), self.lock.tick)
         self.create_timer(_PACE, self.run_ready_steps, clock=self._wall)
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
@@ -131,6 +128,9 @@ class SimulatorNode(LockStepNode):
             self.component.advance(inputs)
         self._publish_state()
         self._note_voltages(inputs)
+        now = time.monotonic()
+        self._tick_times.add(now - self._stepped)
+        self._stepped = now
         self._look_for_end()
 
     def reset(self) -> None:
@@ -208,6 +208,12 @@ class SimulatorNode(LockStepNode):
         values["real_time_factor"] = factor
         if elapsed:
             values["mean_real_time_factor"] = self.stamp / NANOSECONDS / elapsed
+            values["began_at [s]"] = f"{self._began_at:.3f}"
+            median, rarely = self._tick_times.percentiles(50.0, 99.0)
+            values["tick_time_p50 [s]"], values["tick_time_p99 [s]"] = median, rarely
+        if self._pace is not None:
+            (values["lateness_p99 [s]"],) = self._pace.late.percentiles(99.0)
+            values["late_ticks"] = self._pace.missed
         if self.exit_status is not None:
             values[ENDED], values[EXIT_STATUS] = self.exit_reason, self.exit_status
         fall = self.component.fall if self.component is not None else None

@@ -14,6 +14,8 @@ _LINE_EVERY = 2.0  # wall time between two lines where they cannot overwrite one
 _SUMMARY = (
     ("simulator", "simulated_time [s]", "simulated time", "{:.3f} s"),
     ("simulator", "mean_real_time_factor", "real-time factor", "{:.2f}"),
+    ("simulator", "lateness_p99 [s]", "lateness of a tick, 99 %", "{:.4f} s"),
+    ("simulator", "late_ticks", "ticks late by a whole tick", "{:.0f}"),
     ("motion_composition", "half_steps", "half-steps", "{:.0f}"),
     ("motion_composition", "lengths [m]", "lengths", "{} m"),
     ("motion_composition", "heading [rad]", "heading", "{:.4f} rad"),
