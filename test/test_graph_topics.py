@@ -24,16 +24,16 @@ from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.simulator_node import SimulatorNode
 
-NAMESPACE = "/robots/one"
+NAMESPACE = "/robots"
 ENVELOPES = {envelope_topic(name) for name in NODES}
 OWN = {ABSENT, ADJUSTED, RESET, CLOCK, "graph/ready", *ENVELOPES}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
 
-def endpoints_with(*settings):
+def endpoints_with(namespace, *settings):
     """Node → (topics it listens to, topics it publishes), as the graph tells, namespace taken off."""
     context = Context()
-    rclpy.init(context=context, args=["--ros-args", "-r", f"__ns:={NAMESPACE}"])
+    rclpy.init(context=context, args=["--ros-args", "-r", f"__ns:={namespace}"])
     settings = [Parameter("autostart", value=False), *settings]
     nodes = {
         name: SimulatorNode(context=context, parameter_overrides=settings)
@@ -45,18 +45,21 @@ def endpoints_with(*settings):
         made.trigger_configure()
     assert [made.exit_reason for made in nodes.values() if made.exit_status is not None] == []
     asked = nodes[SIMULATOR]
-    found = {}
+    found, before = {}, None
     for _ in range(100):
         found = {
             name: (
-                topics_of(asked.get_subscriber_names_and_types_by_node, name),
-                topics_of(asked.get_publisher_names_and_types_by_node, name),
+                topics_of(asked.get_subscriber_names_and_types_by_node, name, namespace),
+                topics_of(asked.get_publisher_names_and_types_by_node, name, namespace),
             )
             for name in nodes
         }
-        if all(set(node.outputs.values()) <= found[node.name][1] for node in WIRING):
+        known = all(set(node.outputs.values()) <= found[node.name][1] for node in WIRING)
+        known = known and all(RESET in found[name][0] for name in NODES if name != SIMULATOR)
+        if known and found == before:
             break
-        time.sleep(0.05)
+        before = found
+        time.sleep(0.2)
     yield found
     for made in nodes.values():
         made.destroy_node()
@@ -65,17 +68,17 @@ def endpoints_with(*settings):
 
 @pytest.fixture(scope="module")
 def endpoints():
-    yield from endpoints_with(Parameter("by_topic", value=",".join(TOPICS)))
+    yield from endpoints_with(f"{NAMESPACE}/by_topic", Parameter("by_topic", value=",".join(TOPICS)))
 
 
 @pytest.fixture(scope="module")
 def running():
-    yield from endpoints_with()
+    yield from endpoints_with(f"{NAMESPACE}/as_it_runs")
 
 
-def topics_of(ask, name):
-    full = {topic for topic, _ in ask(name, NAMESPACE)}
-    above = f"{NAMESPACE}/"
+def topics_of(ask, name, namespace):
+    full = {topic for topic, _ in ask(name, namespace)}
+    above = f"{namespace}/"
     outside = {topic for topic in full if not topic.startswith(above)}
     assert outside <= ROS_OWN, "a name that does not follow the namespace"
     own = {topic.removeprefix(above) for topic in full - outside}

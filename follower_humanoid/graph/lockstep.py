@@ -21,7 +21,7 @@ from follower_humanoid.graph.wiring import (
     NodeWiring,
     is_optional,
     is_same_tick,
-    used_tick,
+    last_period,
 )
 
 CLOCK = "clock"
@@ -29,14 +29,14 @@ STALE = 0.5  # simulated time for which a stranger's newest message is held [s]
 _FAR_AHEAD = 100  # ticks; no lock-stepped publisher runs that far ahead
 
 
-@dataclass
+@dataclass(slots=True)
 class _Input:
     """One input's samples, kept until no step can need them."""
 
     topic: str
     producer: str
     period: int
-    patient: bool  # True where even a stranger is waited for: motor commands
+    at_once: bool  # True where the message of a tick is used at that tick; even a stranger is waited for
     foreign: bool
     awaited: int | None = None
     samples: dict[int, object] = field(default_factory=dict)
@@ -53,6 +53,11 @@ class _Input:
         if self.held:
             return self.newest if self.held_since >= held_from else None
         return None if self.awaited is None else self.samples[self.awaited]
+
+    def forget(self, before: int) -> None:
+        """Drops what no step needs any more; the newest is kept for the case that a stranger falls silent."""
+        for old in sorted([tick for tick in self.samples if tick < before]):
+            self.newest = self.samples.pop(old)
 
 
 @dataclass(frozen=True)
@@ -109,7 +114,8 @@ class LockStep:
         names = dict.fromkeys(topics or node.inputs.values())
         self._inputs = {name: self._input(name, present) for name in names}
         if hears_clock(node, present):
-            self._inputs[CLOCK] = _Input(CLOCK, "simulator", 1, patient=True, foreign=False)
+            self._inputs[CLOCK] = _Input(CLOCK, "simulator", 1, at_once=True, foreign=False)
+        self._some_held = any(entry.held for entry in self._inputs.values())
         self._await()
 
     @staticmethod
@@ -133,7 +139,7 @@ class LockStep:
     @property
     def paced(self) -> bool:
         """False where nobody is waited for, since all that is heard is held."""
-        return not all(entry.held for entry in self._inputs.values())
+        return not self._some_held or not all(entry.held for entry in self._inputs.values())
 
     def missing(self) -> list[Missing]:
         """What the step of `tick` still needs."""
@@ -181,21 +187,30 @@ class LockStep:
 
     def take(self) -> dict[str, object]:
         """The inputs of the step of `tick`; moves on to the next one."""
-        held_from = self.tick - self._hold_for
+        if self._some_held:
+            values = self._with_held(self.tick - self._hold_for)
+        else:
+            values = {
+                topic: None if entry.awaited is None else entry.samples[entry.awaited]
+                for topic, entry in self._inputs.items()
+            }
+        self.tick += self._period
+        self._await()
+        return values
+
+    def _with_held(self, held_from: int) -> dict[str, object]:
         values = {topic: entry.value(held_from) for topic, entry in self._inputs.items()}
         self.stale += sum(
             entry.held and entry.newest is not None and values[topic] is None
             for topic, entry in self._inputs.items()
         )
-        self.tick += self._period
-        self._await()
         return values
 
     def give_up(self) -> list[Missing]:
         """Stops waiting for strangers who do not answer; motor commands are waited for all the same."""
         given_up = []
         for entry in self._inputs.values():
-            if entry.foreign and not entry.patient and entry.missing and entry.awaited is not None:
+            if entry.foreign and not entry.at_once and entry.missing and entry.awaited is not None:
                 given_up.append(Missing(entry.topic, entry.awaited, entry.producer))
                 self._hold(entry, entry.newest)
         return given_up
@@ -211,6 +226,7 @@ class LockStep:
     def _hold(self, entry: _Input, sample: object) -> bool:
         was_missing = entry.missing
         entry.held, entry.held_since, entry.newest = True, self.tick, sample
+        self._some_held = True
         entry.samples.clear()
         if was_missing:
             self._missing -= 1
@@ -218,17 +234,15 @@ class LockStep:
 
     def _await(self) -> None:
         """Works out what the step of `tick` needs and forgets what no step needs any more."""
-        self._missing = 0
-        for topic, entry in self._inputs.items():
-            used = self.tick if topic == CLOCK else used_tick(self.tick, topic)
+        tick, missing = self.tick, 0
+        for entry in self._inputs.values():
+            used = tick if entry.at_once else last_period(tick, entry.period)
             if used < self._origin:
                 entry.awaited = None
                 continue
             if used != entry.awaited:
                 entry.awaited = used
-                samples = entry.samples
-                for old in sorted(t for t in samples if t < used):
-                    # The newest is kept for the case that a stranger falls silent.
-                    entry.newest = samples.pop(old)
-            if entry.missing:
-                self._missing += 1
+                entry.forget(used)
+            if not entry.held and used not in entry.samples:
+                missing += 1
+        self._missing = missing

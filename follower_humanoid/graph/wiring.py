@@ -231,7 +231,9 @@ def used_tick(tick: int, topic: str) -> int:
     """
     if topic not in TOPICS:
         raise UnknownNameError("topic", topic, TOPICS)
-    if is_same_tick(topic):
-        return tick
-    producer = PRODUCER[topic]
-    return (tick // producer.period - 1) * producer.period
+    return tick if is_same_tick(topic) else last_period(tick, PRODUCER[topic].period)
+
+
+def last_period(tick: int, period: int) -> int:
+    """When the period before the one that `tick` is in began."""
+    return (tick // period - 1) * period

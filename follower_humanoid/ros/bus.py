@@ -31,6 +31,7 @@ class Bus:
         self._members: dict[str, tuple[Accept, Callable[[], None]]] = {}
         self._hearers: dict[str, dict[str, tuple[Accept, Callable[[], None]]]] = {}
         self._ready: deque[Callable[[], None]] = deque()
+        self._working = False
         self.called: Any = Future()
 
     def join(self, name: str, accept: Accept, step: Callable[[], None]) -> None:
@@ -52,7 +53,7 @@ class Bus:
         for accept, step in self._hearers.get(producer, {}).values():
             if accept(producer, tick, samples, messages):
                 self._ready.append(step)
-        if self._ready:
+        if self._ready and not self._working:
             self.call()
 
     def call(self) -> None:
@@ -63,10 +64,14 @@ class Bus:
     def work(self, seconds: float) -> bool:
         """Takes steps for a while; returns whether there are more."""
         until = time.monotonic() + seconds
-        while self._ready:
-            self._ready.popleft()()
-            if time.monotonic() > until:
-                break
+        self._working = True
+        try:
+            while self._ready:
+                self._ready.popleft()()
+                if time.monotonic() > until:
+                    break
+        finally:
+            self._working = False
         if not self._ready and self.called.done():
             self.called = Future()
         return bool(self._ready)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode
 
 ABSENT = "graph/absent"
-_LOOK_EVERY = 8  # messages between two looks for new listeners
+_LOOK_EVERY = 25  # messages between two looks for new listeners
 _READ_BY_NODES = frozenset(topic for node in NODES.values() for topic in node.inputs.values())
 
 
