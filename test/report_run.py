@@ -31,6 +31,14 @@ SWINGS = ((Side.RIGHT, 1.0, 2.0, 0.0, 0.4), (Side.LEFT, 3.0, 4.0, 0.0, 0.8), (Si
 DURATION = 7.0
 
 
+def knee_at(side: Side, time: float) -> float:
+    """Bend of the knee that lifts a foot on its way [rad]."""
+    for swing_side, lifted, landed, _, _ in SWINGS:
+        if swing_side is side and lifted < time < landed:
+            return 0.6 * np.sin(np.pi * (time - lifted) / (landed - lifted))
+    return 0.0
+
+
 def foot_at(side: Side, time: float) -> tuple[float, bool]:
     """Place of a foot along x [m], and whether it is in the air."""
     place = 0.0
@@ -50,8 +58,10 @@ def state(robot: RobotModel, time: float) -> tuple[Joints, Odometry]:
     position = np.zeros(45)
     for side in SIDES:
         angle = -np.arcsin((feet[side] - middle) / LEG)
-        position[robot.joint_index(f"{side.prefix}_hip_pitch")] = angle
-        position[robot.joint_index(f"{side.prefix}_ankle_pitch")] = -angle
+        knee = knee_at(side, time)
+        position[robot.joint_index(f"{side.prefix}_hip_pitch")] = angle - knee / 2
+        position[robot.joint_index(f"{side.prefix}_knee")] = knee
+        position[robot.joint_index(f"{side.prefix}_ankle_pitch")] = -angle - knee / 2
     height = ANKLE + LEG * np.cos(angle)
     base = Odometry(np.array([middle, 0.0, height]), np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), np.zeros(3))
     return Joints(position, np.zeros(45), np.zeros(45)), base
@@ -105,11 +115,11 @@ def flow(robot: RobotModel, tick: int) -> dict[str, Sample]:
     }
 
 
-def walking(without: tuple[str, ...] = ()) -> Run:
-    """The whole run."""
+def walking(without: tuple[str, ...] = (), until: float = DURATION) -> Run:
+    """The whole run, or its beginning."""
     robot = RobotModel()
     recorder = RunRecorder(TICK, robot.joint_names, robot.urdf)
-    for tick in range(round(DURATION / TICK) + 1):
+    for tick in range(round(until / TICK) + 1):
         for topic, sample in flow(robot, tick).items():
             if topic not in without:
                 recorder.add(topic, tick, sample)

@@ -60,3 +60,6 @@ def test_report_draws_the_arm(tmp_path):
     report = make_report([("push", run)], tmp_path)
     assert {file.name for file in report.files} >= {"arm_sticks.png", "hand_force.png", "elbow.png"}
     assert report.notes == ()
+    assert not report.has_steps
+    assert not (tmp_path / "steps.csv").exists()
+    assert "alf-step" not in (tmp_path / "report.html").read_text()

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from follower_humanoid.core.samples import SIDES, Array, Side
-from follower_humanoid.graph.record import Run
+from follower_humanoid.graph.record import Integers, Run
 from follower_humanoid.robot.model import RobotModel
+
+
+class SoleAt(NamedTuple):
+    """A sole at some ticks: origins in world, shape (T, 3) [m], and headings, shape (T,) [rad]."""
+
+    position: Array
+    yaw: Array
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,10 @@ class Motion:
     pelvis_yaw: Array
     leg_gap: Array
     contacts: Array
+
+    def sole_at(self, side: Side, ticks: Integers) -> SoleAt:
+        """A sole at some ticks, where the motion has every tick from 0 on."""
+        return SoleAt(self.sole[side][ticks], self.sole_yaw[side][ticks])
 
 
 # Radii of the leg segments, as drawn: thigh, shank; the foot is wrapped by capsules along its edges.

@@ -19,9 +19,9 @@ from follower_humanoid.bench.measures import (
     zmp_error,
     zmp_margins,
 )
-from follower_humanoid.bench.steps import HalfStep, half_steps
 from follower_humanoid.core.samples import SIDES, Array, Side
 from follower_humanoid.gait.mapping import GaitMappingConfig
+from follower_humanoid.graph.half_steps import HalfStep, half_steps
 from follower_humanoid.graph.record import Run
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.resources import share_path
@@ -43,7 +43,7 @@ class Evidence:
         """Forward kinematics and steps of a run."""
         robot = RobotModel()
         motion = motion_of(run, robot=robot)
-        return cls(run, motion, half_steps(run, motion), robot)
+        return cls(run, motion, half_steps(run, motion.sole_at), robot)
 
 
 @dataclass(frozen=True)

@@ -174,6 +174,9 @@ class RunRecorder:
         self._ticks[topic].append(tick)
         self._samples[topic].append(sample)
 
+    def close(self) -> None:
+        """Nothing more comes; a recorder that writes ends its file."""
+
     def finish(self, notes: tuple[str, ...] = ()) -> Run:
         """The run so far, stacked."""
         tick_ns = round(self._tick * NANOSECONDS)

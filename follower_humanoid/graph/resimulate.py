@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,7 @@ from follower_humanoid.graph.record import Adjusted, Run, RunRecorder, Series
 from follower_humanoid.graph.repetition_notes import repetition_notes
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, NodeWiring, nodes_with
+from follower_humanoid.robot.model import RobotModel
 
 PARAMETERS = "parameters.yaml"
 SEQUENCE = "sequence.yaml"
@@ -41,6 +42,8 @@ APPLIED = {
     "leader_right": "right_hand/applied",
     "push": "base/applied",
 }
+Keep = Callable[[Run, RobotModel], RunRecorder]
+"""Makes a recorder for a repetition of a run by a robot."""
 # Resets fall on ticks at which every node steps.
 _PERIODS = math.lcm(*(node.period for node in NODES.values()))
 
@@ -170,12 +173,13 @@ def _resets(run: Run) -> frozenset[int]:
 class Repetition(Chain):
     """The chain with the recorded wrenches in the place of the leader and of people."""
 
-    def __init__(self, recorded: Recorded, folder: Path) -> None:
+    def __init__(self, recorded: Recorded, folder: Path, keep: Keep | None = None) -> None:
         """Makes the components.
 
         Args:
             recorded: What is repeated.
             folder: Where the URDF may be written to.
+            keep: Makes what takes the samples in; None: nothing is kept.
         """
         self._recorded = recorded
         urdf = folder / "robot.urdf"
@@ -184,7 +188,7 @@ class Repetition(Chain):
         absent = tuple(name for name in NODES if name == LEADER or name not in recorded.nodes)
         more = tuple(recorded.table.keys() - NODES.keys())
         super().__init__(parameters, recorded.run.tick, str(urdf), absent, more=more)
-        self.recorder = _NoRecorder(recorded.run.tick, self.robot.joint_names, self.robot.urdf)
+        self.recorder = (keep or _no_recorder)(recorded.run, self.robot)
         self._changes: dict[int, list[Adjusted]] = {}
         for change in recorded.adjusted:
             self._changes.setdefault(change.tick, []).append(change)
@@ -206,14 +210,24 @@ class Repetition(Chain):
         for topic, samples in self._foreign.items():
             if self.tick in samples:
                 self._flow[topic][self.tick] = samples[self.tick]
+                self.recorder.add(topic, self.tick, samples[self.tick])
         if self.tick + 1 in self._recorded.resets:
             self._reset()
         else:
             super().advance()
 
+    def publish_state(self) -> None:
+        """The state of a tick that nobody steps any more: the last one of the run."""
+        self._publish(NODES[SIMULATOR], self.simulator.observe())
+
+    def close(self) -> None:
+        """Ends the physics engine and whatever is being written."""
+        super().close()
+        self.recorder.close()
+
     def _reset(self) -> None:
         """The robot stands at the next tick, everyone else is new and knows nothing from before."""
-        self._publish(NODES[SIMULATOR], self.simulator.observe())
+        self.publish_state()
         self.simulator.reset()
         for flow in self._flow.values():
             flow.clear()
@@ -252,6 +266,10 @@ class _NoRecorder(RunRecorder):
 
     def add(self, topic: str, tick: int, sample: Any) -> None:
         """Forgets the sample."""
+
+
+def _no_recorder(run: Run, robot: RobotModel) -> RunRecorder:
+    return _NoRecorder(run.tick, robot.joint_names, robot.urdf)
 
 
 class _Held:

@@ -7,11 +7,16 @@ import math
 import os
 import signal
 import sys
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.bringup_options import split_ros_args
 from follower_humanoid.ros2_front.verbs import Parser
+
+if TYPE_CHECKING:
+    from follower_humanoid.graph.resimulate import Keep
 
 BAD_USAGE = 2
 
@@ -27,6 +32,8 @@ def main(args: list[str] | None = None) -> int:
 
 
 def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
+    if given.bag_out is not None and not (given.simulate or given.verify):
+        raise ConfigurationError("--bag needs --simulate: what is only played is in a bag already")
     if given.simulate or given.verify:
         # As in the graph; before NumPy is imported.
         for library in ("OMP", "OPENBLAS", "MKL"):
@@ -34,7 +41,7 @@ def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
         from follower_humanoid.replay.again import simulate_again
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        return simulate_again(given.bag, given.namespace, given.verify)
+        return simulate_again(given.bag, given.namespace, given.verify, _keep(given))
     from follower_humanoid.replay.player import PlayOptions
     from follower_humanoid.ros.replay_node import play
 
@@ -43,6 +50,15 @@ def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
         start=given.start, paused=given.paused,
     )  # fmt: skip
     return play(options, ros_args)
+
+
+def _keep(given: argparse.Namespace) -> Keep | None:
+    """Where the new run goes."""
+    if given.bag_out is None:
+        return None
+    from follower_humanoid.ros.simulated_bag import SimulatedBag
+
+    return partial(SimulatedBag, given.bag_out, given.namespace)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -62,6 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--start", type=_from_zero, default=0.0, metavar="S", help="leave out the first seconds")
     add("--simulate", action="store_true", help="run the simulation again from the bag's parameters")
     add("--verify", action="store_true", help="and compare joint positions bit for bit (with --simulate)")
+    add("--bag", dest="bag_out", type=Path, metavar="DIR", help="record the new run (with --simulate)")
     add("--namespace", metavar="NS", help="which robot to simulate, where the bag holds several")
     add("--paused", action="store_true", help="begin with a pause")
     return parser

@@ -34,7 +34,8 @@ def main(args: list[str] | None = None) -> int:
         return 2
     for note in report.notes:
         print(f"note: {note}", file=sys.stderr)
-    print(text_table(report.views))
+    if report.has_steps:
+        print(text_table(report.views))
     for file in report.files:
         print(file)
     return 0

@@ -27,7 +27,7 @@ def footprints(view: View) -> list[tuple[Side, Array]]:
         outline = view.body.sole_outline(side)
         pose = view.body.sole(side, start)
         places = [(pose.position[0], float(pose.yaw[0]))]
-        places += [(step.position, step.yaw) for step in view.steps if step.side is side]
+        places += [(step.position, step.heading) for step in view.steps if step.side is side]
         for position, yaw in places:
             c, s = np.cos(yaw), np.sin(yaw)
             turned = outline[:, :2] @ np.array([[c, s], [-s, c]])
@@ -55,7 +55,7 @@ def draw_ground(axes: Axes, view: View, own_color: bool) -> None:
             axes.plot(xyz[:, 0], xyz[:, 1], color=view.color if own_color else color, linewidth=0.8)
     if not own_color:
         for number, step in enumerate((step for step in view.steps if step.counted), start=1):
-            c, s = np.cos(step.yaw), np.sin(step.yaw)
+            c, s = np.cos(step.heading), np.sin(step.heading)
             x, y = _NUMBER_AT[0], step.side.sign * _NUMBER_AT[1]
             place = (step.position[0] + c * x - s * y, step.position[1] + s * x + c * y)
             axes.annotate(
@@ -97,8 +97,8 @@ def _polygons(view: View) -> list[Array]:
     series = view.run["support_polygon"]
     instants = [0.0]
     for number, step in enumerate(view.steps):
-        later = [other.lifted for other in view.steps[number + 1 :]]
+        later = [other.lift_off for other in view.steps[number + 1 :]]
         until = min([*later, view.run.duration])
-        instants += [(step.lifted + step.landed) / 2, (step.landed + until) / 2]
+        instants += [(step.lift_off + step.landing) / 2, (step.landing + until) / 2]
     rows = np.maximum(np.searchsorted(series.times, instants, side="right") - 1, 0)
     return [series.samples[row].vertices[:, :2] for row in rows if len(series.samples[row].vertices) > 2]

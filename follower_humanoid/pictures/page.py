@@ -30,7 +30,11 @@ output { font-variant-numeric: tabular-nums; min-width: 5rem; }
 
 
 def write_page(
-    path: Path, compared: Sequence[View], pictures: Sequence[tuple[str, Path]], notes: Sequence[str]
+    path: Path,
+    compared: Sequence[View],
+    pictures: Sequence[tuple[str, Path]],
+    notes: Sequence[str],
+    with_steps: bool = True,
 ) -> None:
     """Writes the page.
 
@@ -39,6 +43,7 @@ def write_page(
         compared: The runs.
         pictures: Title and PNG file of each figure.
         notes: What is missing.
+        with_steps: Whether there is a step table; an arm experiment has none.
     """
     labels = ", ".join(view.label for view in compared)
     parts = [
@@ -49,8 +54,7 @@ def write_page(
         f"<h1>{escape(labels)}</h1>",
         *(f'<p class="note">{escape(note)}</p>' for note in notes),
         _player(compared),
-        "<h2>Half-steps</h2>",
-        _table(compared),
+        *(["<h2>Half-steps</h2>", _table(compared)] if with_steps else []),
         *(_picture(title, file) for title, file in pictures),
         *(_about(view) for view in compared),
         "</body></html>",

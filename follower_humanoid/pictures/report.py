@@ -71,11 +71,13 @@ class Report:
         views: The runs.
         files: Everything written.
         notes: What is missing, one sentence each.
+        has_steps: Whether the runs have a step table; an arm experiment has none.
     """
 
     views: tuple[View, ...]
     files: tuple[Path, ...]
     notes: tuple[str, ...]
+    has_steps: bool
 
 
 def make_report(runs: Sequence[tuple[str, Run]], out: Path) -> Report:
@@ -97,15 +99,16 @@ def make_report(runs: Sequence[tuple[str, Run]], out: Path) -> Report:
         with rc_context(RC), PdfPages(out / "report.pdf") as pages:
             saved = {picture: _save(picture, compared, out, pages, notes) for picture in pictures}
         files = [out / "report.html", out / "report.pdf", *(file for file in saved.values() if file)]
+        has_steps = walks and all(name in view.run for view in compared for name in FEET)
         # The page has the table as text.
         shown = [(p.title, file) for p, file in saved.items() if file and p.draw is not table_figure]
-        write_page(out / "report.html", compared, shown, notes)
-        if walks and all(name in view.run for view in compared for name in FEET):
+        write_page(out / "report.html", compared, shown, notes, has_steps)
+        if has_steps:
             write_csv(out / "steps.csv", compared)
             files.append(out / "steps.csv")
     except OSError as error:
         raise ConfigurationError(f"report {out} cannot be written: {error.strerror}") from None
-    return Report(tuple(compared), tuple(files), tuple(notes))
+    return Report(tuple(compared), tuple(files), tuple(notes), has_steps)
 
 
 def _save(picture: Picture, compared: Sequence[View], out: Path, pages: Any, notes: list[str]) -> Path | None:

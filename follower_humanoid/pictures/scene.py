@@ -74,7 +74,7 @@ def _hand_forces(view: View, ticks: Integers) -> Array:
 
 def _prints(view: View) -> list[dict[str, Any]]:
     """Outlines of the soles, each with the time from which it is there."""
-    landings = {side: [-1.0, *(step.landed for step in view.steps if step.side is side)] for side in SIDES}
+    landings = {side: [-1.0, *(step.landing for step in view.steps if step.side is side)] for side in SIDES}
     prints = []
     for side, outline in footprints(view):
         prints.append({"side": side.value, "from": landings[side].pop(0), "corners": outline.tolist()})

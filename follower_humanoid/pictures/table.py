@@ -53,6 +53,8 @@ def write_csv(path: Path, compared: Sequence[View]) -> None:
 def text_table(compared: Sequence[View]) -> str:
     """The table for a terminal."""
     heads, rows = rows_of(compared)
+    if not rows:
+        return "no half-steps"
     widths = [max(len(row[column]) for row in (heads, *rows)) for column in range(len(heads))]
     lines = [
         "  ".join(word.rjust(width) for word, width in zip(row, widths, strict=True))

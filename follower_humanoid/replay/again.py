@@ -12,7 +12,7 @@ from pathlib import Path
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.errors import ConfigurationError, PhysicsError
 from follower_humanoid.graph.compare import Comparison, Difference
-from follower_humanoid.graph.resimulate import Recorded, Repetition, repeatable
+from follower_humanoid.graph.resimulate import Keep, Recorded, Repetition, repeatable
 
 FAILED = 1
 DIFFERS = 4
@@ -40,8 +40,14 @@ class Outcome:
     fall: str = ""
 
 
-def simulate_again(bag: Path, namespace: str | None, verify: bool) -> int:
+def simulate_again(bag: Path, namespace: str | None, verify: bool, keep: Keep | None = None) -> int:
     """Simulates a recorded run again and says what came out; returns the exit status.
+
+    Args:
+        bag: The recorded run.
+        namespace: Of the robot; None: the only one in the bag.
+        verify: Compare with the bag.
+        keep: Makes what takes the new run in; None: it is not kept.
 
     Raises:
         ConfigurationError: The bag does not carry what it takes.
@@ -54,7 +60,7 @@ def simulate_again(bag: Path, namespace: str | None, verify: bool) -> int:
     for note in [*run.notes, *recorded.notes]:
         print(f"note: {note}", file=sys.stderr)
     try:
-        outcome = repeat(recorded, verify)
+        outcome = repeat(recorded, verify, keep)
     except KeyboardInterrupt:
         print("stopped before the end", file=sys.stderr)
         return FAILED
@@ -76,13 +82,13 @@ def simulate_again(bag: Path, namespace: str | None, verify: bool) -> int:
     return 0
 
 
-def repeat(recorded: Recorded, verify: bool) -> Outcome:
+def repeat(recorded: Recorded, verify: bool, keep: Keep | None = None) -> Outcome:
     """Runs to the last recorded tick; when verifying, to the first difference at most."""
     outcome = Outcome()
     digest = hashlib.sha256()
     begin = told = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="follower_humanoid_") as folder:
-        chain = Repetition(recorded, Path(folder))
+        chain = Repetition(recorded, Path(folder), keep)
         try:
             comparison = Comparison(recorded.run, chain.robot.joint_names)
             for tick in range(recorded.ticks):
@@ -95,6 +101,8 @@ def repeat(recorded: Recorded, verify: bool) -> Outcome:
                         break
                 if tick + 1 < recorded.ticks:
                     chain.advance()
+                else:
+                    chain.publish_state()
                 if time.monotonic() - told > _TELL_EVERY:
                     told = time.monotonic()
                     _progress(tick * recorded.run.tick, recorded.ticks * recorded.run.tick)

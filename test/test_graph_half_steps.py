@@ -10,8 +10,8 @@ import pytest
 from gait_bench import robot, vertical
 
 from follower_humanoid.bench.kinematics import Motion
-from follower_humanoid.bench.steps import half_steps
 from follower_humanoid.core.samples import SIDES, Array, Side
+from follower_humanoid.graph.half_steps import half_steps
 from follower_humanoid.graph.record import Run, RunRecorder
 
 TICK = 0.01
@@ -41,7 +41,7 @@ class Walk:
         return self
 
     def found(self) -> list[tuple[Side, float, float, float, float, bool]]:
-        steps = half_steps(self._run(), self._motion())
+        steps = half_steps(self._run(), self._motion().sole_at)
         return [(s.side, s.lift_off, s.landing, s.length, s.heading, s.counted) for s in steps]
 
     def _run(self) -> Run:
@@ -109,6 +109,15 @@ def test_a_step_still_in_the_air_at_the_end_is_none() -> None:
     for swing in WALK[:2]:
         walk.swing(*swing)
     assert [step[0] for step in walk.found()] == [Side.RIGHT]
+
+
+def test_a_foot_that_begins_in_the_air_has_not_lifted_off() -> None:
+    walk = Walk()
+    walk.height[Side.RIGHT][:80] = 0.05
+    for swing in WALK:
+        walk.swing(*swing)
+    walk.load[Side.RIGHT][:80] = 0.0
+    assert [step[1] for step in walk.found()] == pytest.approx([1.0, 3.0, 5.0], abs=1.5 * TICK)
 
 
 def test_steps_come_in_the_order_of_landing() -> None:
