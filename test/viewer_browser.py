@@ -91,7 +91,7 @@ class Browser:
         """Polls until something is true."""
         deadline = time.monotonic() + limit
         while not (value := met()):
-            assert time.monotonic() < deadline, what or "nothing happened"
+            assert time.monotonic() < deadline, what or f"nothing happened; the page says: {self.text()}"
             time.sleep(0.05)
         return value
 

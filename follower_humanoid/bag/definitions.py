@@ -18,6 +18,11 @@ _PRIMITIVES = frozenset(
 )
 # A field line: type, perhaps bounded or an array, then a name; a constant has '=' after the name.
 _FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[a-z]\w*\s*(?![\w\s]*=)")
+# Bags carry transforms also where tf2_msgs is not installed; there are no wheels of it.
+_OWN_TEXTS = {"tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms\n"}
+_OWN_HASHES = {
+    "tf2_msgs/msg/TFMessage": "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
+}
 
 
 @dataclass(frozen=True)
@@ -70,10 +75,14 @@ def _dependencies(type_name: str, text: str) -> list[str]:
 
 
 def _text(type_name: str) -> str:
+    if type_name in _OWN_TEXTS:
+        return _OWN_TEXTS[type_name]
     return _share_file(type_name, ".msg").read_text(encoding="utf-8")
 
 
 def _type_hash(type_name: str) -> str:
+    if type_name in _OWN_HASHES:
+        return _OWN_HASHES[type_name]
     try:
         described = json.loads(_share_file(type_name, ".json").read_text(encoding="utf-8"))
     except ConfigurationError:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, NamedTuple
 
+from follower_humanoid.bag.qos import offered_qos
+from follower_humanoid.bag.transforms import Made, TransformMaker
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
 from follower_humanoid.core.config import parameter
@@ -50,6 +52,7 @@ ADJUSTED = "graph/adjusted"
 _FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
 _AS_THEY_COME = _FROM_PEOPLE | {"footsteps"}
 
+_MADE = frozenset({"/tf", "/tf_static", "robot_description"})
 _ENCAPSULATION = 4
 _TYPE_NAMES: dict[type, str] = {
     samples.Joints: "sensor_msgs/msg/JointState",
@@ -136,7 +139,9 @@ Announce = Callable[[Recorded], tuple[str, list[dict[str, Any]]]]
 class Recording:
     """Thins out, sorts and writes what arrives."""
 
-    def __init__(self, writer: BagWriter, rate: float, tick_ns: int, announce: Announce) -> None:
+    def __init__(
+        self, writer: BagWriter, rate: float, tick_ns: int, announce: Announce, urdf: str = ""
+    ) -> None:
         """Begins with nothing.
 
         Args:
@@ -144,7 +149,10 @@ class Recording:
             rate: Of the topics that are thinned out [Hz].
             tick_ns: Control tick [ns].
             announce: Gives a topic's full name and offered QoS when its first message is here.
+            urdf: Text of the robot's URDF; with it the bag carries transforms and the description.
         """
+        self._maker = TransformMaker(urdf) if urdf else None
+        self._state: Recorded | None = None
         self._writer = writer
         self._slot = round(NANOSECONDS / rate)
         self._tick = tick_ns
@@ -152,6 +160,7 @@ class Recording:
         self._channels: dict[str, int] = {}
         self._last_slot: dict[str, int] = {}
         self._batch: list[Arrival] = []
+        self._latched: set[str] = set()
         self.latest_stamp: int | None = None
         self.missing = 0
 
@@ -172,6 +181,8 @@ class Recording:
         elif topic.name == STATE:
             self._watch(stamp_of(arrival.data, topic.stamped_at))
         self._batch.append(arrival)
+        if self._maker is not None:
+            self._make(self._maker, arrival)
 
     def flush(self) -> int:
         """Writes what was taken in since the last time, in the order of arrival.
@@ -188,10 +199,34 @@ class Recording:
         for topic, data, received, published in batch:
             channel = channels.get(topic.name)
             if channel is None:
-                name, qos = self._announce(topic)
+                name, qos = self._announced(topic)
                 channel = channels[topic.name] = self._writer.add_topic(name, topic.type_name, qos)
             write(channel, data, received, published)
         return len(batch)
+
+    def _make(self, maker: TransformMaker, arrival: Arrival) -> None:
+        """Adds transforms to a state that has arrived."""
+        if arrival.topic.name == STATE and self._state is None:
+            self._state = arrival.topic
+            for made in maker.latched():
+                self._add(made, arrival)
+        transforms = maker.take(arrival.topic.name, arrival.data)
+        if transforms is not None:
+            self._add(transforms, arrival)
+
+    def _add(self, made: Made, cause: Arrival) -> None:
+        topic = Recorded(made.topic, made.type_name, False, True)
+        if made.latched:
+            self._latched.add(made.topic)
+        self._batch.append(Arrival(topic, made.data, cause.received, cause.published))
+
+    def _announced(self, topic: Recorded) -> tuple[str, list[dict[str, Any]]]:
+        """Full name and offered QoS of a topic; what is made here has the namespace of the state."""
+        if self._state is None or topic.name not in _MADE:
+            return self._announce(topic)
+        above = self._announce(self._state)[0].removesuffix(STATE)
+        qos = offered_qos("reliable", "transient_local" if topic.name in self._latched else "volatile")
+        return topic.name if topic.name.startswith("/") else above + topic.name, [qos]
 
     def _watch(self, stamp: int | None) -> None:
         """Counts the ticks whose state did not arrive."""

@@ -11,10 +11,10 @@ import numpy as np
 from follower_humanoid.core.samples import SIDES, Array, Side, Wrench
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.codecs import Codec
-from follower_humanoid.ros.qos import PEOPLE
 from follower_humanoid.viewer.push import Push
 
 _PUSH = "base/push"
+_DEPTH = 10  # reliable: whoever listens understands it
 _LET_GO = 0.3  # wall time for which it is told that a hand was let go [s]
 
 
@@ -52,6 +52,6 @@ class Leading:
     def _publish(self, topic: str, force: Array, stamp: int) -> None:
         if topic not in self._publishers:
             codec = Codec(topic, self._robot)
-            self._publishers[topic] = codec, self._node.create_publisher(codec.message_type, topic, PEOPLE)
+            self._publishers[topic] = codec, self._node.create_publisher(codec.message_type, topic, _DEPTH)
         codec, publisher = self._publishers[topic]
         publisher.publish(codec.encode(Wrench(force, np.zeros(3), "world"), max(stamp, 0)))

@@ -74,7 +74,9 @@ class RecorderNode(ManagedNode):
         folder = Path(self.config.bag or datetime.now().strftime("bags/%Y-%m-%d-%H-%M-%S"))
         about = about_run(self.graph.urdf, texts_in(self.config.about), self.graph.tick)
         self._writer = BagWriter(folder, about, time.time_ns())
-        self._recording = Recording(self._writer, self.config.rate, self.tick_ns, self._announce)
+        self._recording = Recording(
+            self._writer, self.config.rate, self.tick_ns, self._announce, about.urdf
+        )
         self._taps = tuple((topic, self._listen(topic)) for topic in recorded_topics())
 
     def start(self) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Header
+from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
 from follower_humanoid.graph.graph_config import LEADER, RECORDER, RunConfig
@@ -24,7 +24,7 @@ from follower_humanoid.ros.managed_node import FAILED
 from follower_humanoid.ros.outcome import ENDED, EXIT_STATUS
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.people import PeopleWrench
-from follower_humanoid.ros.qos import PEOPLE
+from follower_humanoid.ros.qos import LATCHED, PEOPLE
 from follower_humanoid.ros.shared_robot import shared_robot
 
 FELL = 3
@@ -61,7 +61,10 @@ class SimulatorNode(LockStepNode):
         """Builds the world and the endpoints, the clock among them."""
         self._clock_publisher = self.make_publisher(Clock, CLOCK)
         super().set_up()
-        self._end = RunEnd(self.run, shared_robot(self.graph.urdf))
+        robot = shared_robot(self.graph.urdf)
+        self._describer = self.create_publisher(String, "robot_description", LATCHED)
+        self._describer.publish(String(data=robot.urdf))
+        self._end = RunEnd(self.run, robot)
         if self._barrier is not None:
             self._barrier.watch(self._clock_publisher, {RECORDER} & self.present)
             self._reset_publisher = self.make_publisher(Header, RESET)

@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger
 from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.graph_config import LEADER, RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
+from follower_humanoid.ros.displays import Displays
 from follower_humanoid.ros.leading import Leading
 from follower_humanoid.ros.managed_node import ManagedNode
 from follower_humanoid.ros.newest import Newest
@@ -70,8 +71,10 @@ class ViewerNode(ManagedNode):
         self._leading = Leading(self, robot)
         self._reset = self.create_client(Trigger, "reset")
         self._listener = self.create_subscription(DiagnosticArray, "/diagnostics", self._hear, DIAGNOSTICS)
-        self._page = Page(self.config, Skeleton(robot.urdf), self._push_asked, self._reset_asked)
-        print(f"viewer: {self._page.address}", file=sys.stderr, flush=True)
+        self._displays = Displays(self, robot.urdf)
+        if self.config.page:
+            self._page = Page(self.config, Skeleton(robot.urdf), self._push_asked, self._reset_asked)
+            print(f"viewer: {self._page.address}", file=sys.stderr, flush=True)
 
     def start(self) -> None:
         """Begins to look."""
@@ -109,10 +112,12 @@ class ViewerNode(ManagedNode):
         while not self._orders.empty():
             self._orders.get()()
         page, newest = self._page, self._newest
-        now = time.monotonic()
-        if page is None or newest is None:
+        if newest is None:
             return
-        if not self._needed(page, newest):
+        watched = page is not None and page.watched
+        now = time.monotonic()
+        self._listen_while_needed(newest, watched or self._displays.wanted, now)
+        if not newest.listening:
             self._leading.pull({}, self.stamp)
             return
         before = newest.stamp
@@ -121,20 +126,20 @@ class ViewerNode(ManagedNode):
             if newest.stamp < before:  # another run
                 self._trail.forget()
         moment = self._moment(now)
-        page.show(moment, self._trail.add(moment))
-        self._frames += 1
-        self._leading.pull(page.forces(), self.stamp)
+        self._displays.show(moment)
+        if page is not None and watched:
+            page.show(moment, self._trail.add(moment))
+            self._frames += 1
+        self._leading.pull(page.forces() if page is not None else {}, self.stamp)
 
-    def _needed(self, page: Page, newest: Newest) -> bool:
-        """Whether anybody looks; who publishes is not troubled while nobody does."""
-        watched = page.watched
-        if watched and not newest.listening:
+    def _listen_while_needed(self, newest: Newest, needed: bool, now: float) -> None:
+        """Who publishes is not troubled while nobody looks."""
+        if needed and not newest.listening:
             newest.listen()
-            self._moved = time.monotonic()
-        elif not watched and newest.listening:
+            self._moved = now
+        elif not needed and newest.listening:
             newest.close()
             newest.forget()
-        return watched
 
     def _moment(self, now: float) -> Moment:
         samples = dict(self._newest.samples) if self._newest is not None else {}

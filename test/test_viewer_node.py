@@ -1,0 +1,139 @@
+"""The viewer beside a running graph: leading it by the page, and what its end means to the other."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+from graph_bench import PATIENCE, bringup, wait_until
+from viewer_browser import Browser, needs_browser
+
+from follower_humanoid.robot.model import RobotModel
+
+# Short, quick steps: the follower answers within a second of simulated time.
+QUICK = """
+motion_composition:
+  ros__parameters: {walker.half_step_time: 0.7, footsteps.half_step_length: 0.3}
+viewer:
+  ros__parameters: {port: 0, shadows: false, rate: 20.0}
+"""
+
+# Notes the forces that a topic carries, one JSON list a line.
+LISTENER = """
+import json, sys, rclpy
+from geometry_msgs.msg import WrenchStamped
+rclpy.init()
+node = rclpy.create_node("listener")
+def hear(message):
+    f = message.wrench.force
+    print(json.dumps([f.x, f.y, f.z]), flush=True)
+node.create_subscription(WrenchStamped, "leader/left_hand/wrench", hear, 10)
+try:
+    rclpy.spin(node)
+except rclpy.executors.ExternalShutdownException:
+    pass
+"""
+
+
+# Waits for the description, as one who comes late, and for markers that show the feet's forces.
+OTHER_TOOL = """
+import json, sys, time, rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
+rclpy.init()
+node = rclpy.create_node("other_tool")
+found = {}
+def described(message):
+    found["description"] = message.data
+def marked(message):
+    shown = {m.ns for m in message.markers if m.action == m.ADD}
+    if "foot_force" in shown:
+        found["namespaces"] = sorted({m.ns for m in message.markers})
+latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+node.create_subscription(String, "robot_description", described, latched)
+node.create_subscription(MarkerArray, "markers", marked, 10)
+deadline = time.monotonic() + 60
+while len(found) < 2 and time.monotonic() < deadline:
+    rclpy.spin_once(node, timeout_sec=0.1)
+print(json.dumps([found["description"], found["namespaces"]]))
+"""
+
+
+def address_in(text: str) -> str | None:
+    found = re.search(r"viewer: (http://127\.0\.0\.1:\d+)", text)
+    return found and found.group(1)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    browser = Browser()
+    yield browser
+    browser.close()
+
+
+@needs_browser
+def test_a_dragged_hand_makes_it_step_and_a_lost_page_lets_go(tmp_path, browser):
+    (tmp_path / "quick.yaml").write_text(QUICK)
+    heard = tmp_path / "heard.txt"
+    arguments = ("--composed", "--leader", "none", "--bag", "none", "--view", "--params", "quick.yaml")
+    with bringup(tmp_path, *arguments) as run, heard.open("w") as file:
+
+        def read(pattern: str) -> bool:
+            assert run.process.poll() is None, run.complained
+            return re.search(pattern, browser.text()) is not None
+
+        def forces() -> list[list[float]]:
+            return [json.loads(line) for line in heard.read_text().splitlines()]
+
+        listener = subprocess.Popen([sys.executable, "-c", LISTENER], env=run.environment, stdout=file)
+        try:
+            run.wait_until_it_runs()
+            assert wait_until(lambda: address_in(run.complained))
+            address = address_in(run.complained)
+            browser.open(address)
+            browser.wait(lambda: read("Standing"), PATIENCE)
+            # The camera looks from the right and the front: to the right of the picture is forward.
+            browser.grab("/world/handles/left_hand", (25, 12))
+            browser.wait(lambda: read("Walking, led by the left hand"), PATIENCE)
+            browser.wait(lambda: read(r"half-steps\s+[1-9]"), PATIENCE)
+            browser.driver.get("about:blank")  # the page is gone in the middle of the drag
+            assert wait_until(lambda: not any(forces()[-1]), 20.0)
+            assert max(f[0] for f in forces()) > 2.0
+            assert all(sum(x * x for x in f) ** 0.5 <= 20.0 + 1e-6 for f in forces())
+            browser.open(address)
+            browser.wait(lambda: read("Standing|Coming to a stand"), PATIENCE)
+            run.end()
+            assert run.process.returncode == 0, run.complained
+            assert "The viewer was stopped" in browser.text()
+        finally:
+            listener.terminate()
+            listener.wait()
+
+
+def test_other_tools_get_description_and_markers_and_the_run_goes_on_without_its_viewer(tmp_path):
+    (tmp_path / "quick.yaml").write_text(QUICK)
+    arguments = ("--composed", "--leader", "none", "--bag", "none", "--view", "--params", "quick.yaml")
+    with bringup(tmp_path, *arguments) as run:
+        run.wait_until_it_runs()
+        assert wait_until(lambda: address_in(run.complained))
+        told = subprocess.run(
+            [sys.executable, "-c", OTHER_TOOL],
+            env=run.environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert told.returncode == 0, told.stderr
+        description, namespaces = json.loads(told.stdout)
+        assert description == RobotModel().urdf
+        assert {"foot_force", "support_polygon", "footsteps", "com", "zmp", "dcm"} <= set(namespaces)
+        os.kill(run.child("viewer"), signal.SIGKILL)
+        lines = len(run.said.splitlines())
+        assert wait_until(lambda: len(run.said.splitlines()) > lines + 1)
+        assert run.process.poll() is None
+        run.end()
+        assert run.process.returncode == 0, run.complained
