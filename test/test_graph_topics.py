@@ -26,7 +26,7 @@ from follower_humanoid.ros.simulator_node import SimulatorNode
 
 NAMESPACE = "/robots"
 ENVELOPES = {envelope_topic(name) for name in NODES}
-OWN = {ABSENT, ADJUSTED, RESET, CLOCK, "graph/ready", *ENVELOPES}
+OWN = {"robot_description", ABSENT, ADJUSTED, RESET, CLOCK, "graph/ready", *ENVELOPES}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
 
