@@ -249,3 +249,41 @@ def test_a_simulator_whose_commands_are_held_waits_for_nobody():
     lock.put("arms/command", None, "volts")
     assert lock.ready
     assert not lock.paced
+
+
+def test_who_is_given_up_is_waited_for_again_once_it_has_caught_up():
+    lock = LockStep(NODES["simulator"], EVERYONE, ["legs/command", "arms/command"])
+    feed(lock, "arms/command", range(20))
+    feed(lock, "legs/command", [0])
+    lock.take()
+    assert not lock.ready
+    assert [str(m) for m in lock.give_up_on(lock.topics)] == ["legs/command of tick 1 from leg_controller"]
+    taken = [lock.take()["legs/command"] for _ in range(4)]
+    assert taken == [None] * 4
+    feed(lock, "legs/command", [1, 2])  # late: still catching up
+    assert lock.ready
+    assert lock.late == 2
+    feed(lock, "legs/command", [7])  # back, a little ahead
+    assert [lock.take()["legs/command"] for _ in range(3)] == [None, None, "legs/command@7"]
+    assert not lock.ready
+
+
+def test_a_node_that_leaves_is_not_waited_for_from_its_tick_on():
+    lock = LockStep(NODES["zmp_balance"], EVERYONE)
+    for topic in lock.topics:
+        feed(lock, topic, [0, 1, 2, 3] if topic != "motion/reference" else [0])
+    lock.take()
+    lock.take()
+    assert not lock.ready or lock.tick == 2
+    lock.leave("motion_composition", 1)
+    for _ in range(2):
+        assert lock.ready
+        lock.take()
+
+
+def test_messages_of_a_far_future_are_counted_and_dropped():
+    lock = LockStep(NODES["wrench_sensing"], EVERYONE)
+    for topic in lock.topics:
+        feed(lock, topic, [10**6, 10**9, 2**40])
+    assert lock.strange == 3 * len(lock.topics)
+    assert not lock.ready

@@ -21,12 +21,13 @@ from follower_humanoid.ros.barrier import RESET
 from follower_humanoid.ros.component_node import ComponentNode
 from follower_humanoid.ros.envelope import envelope_topic
 from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.leaving import LEAVE
 from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.simulator_node import SimulatorNode
 
 NAMESPACE = "/robots"
 ENVELOPES = {envelope_topic(name) for name in NODES}
-OWN = {"robot_description", ABSENT, ADJUSTED, RESET, CLOCK, "graph/ready", *ENVELOPES}
+OWN = {"robot_description", ABSENT, ADJUSTED, RESET, CLOCK, LEAVE, "graph/ready", *ENVELOPES}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
 

@@ -26,7 +26,7 @@ class GraphConfig:
     )
     autostart: bool = parameter(True, "configure and activate without a lifecycle manager")
     watchdog: float = parameter(
-        10.0, "wall time after which a missing message ends the run; 0 = never", "s", 0.0, 3600.0
+        5.0, "wall time after which a missing message ends the run; 0 = never", "s", 0.0, 3600.0
     )
 
     @property
@@ -57,6 +57,9 @@ class RunConfig:
         0.0, "longest time after `duration` to wait until the robot stands; 0 = none", "s", 0.0, 1000.0
     )
     realtime: bool = parameter(False, "not faster than real time")
+    hold_after: float = parameter(
+        0.25, "in real time: silence of a controller after which the motor drives hold", "s", 0.01, 10.0
+    )
     people_timeout: float = parameter(
         0.5, "silence of a person's wrench topic after which it lets go", "s", 0.0, 1000.0
     )

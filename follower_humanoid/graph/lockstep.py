@@ -8,6 +8,9 @@ A topic whose own node was left out comes from a stranger. If the stranger keeps
 ticks it is waited for like any other; if not (a joystick, the command line), its newest message
 is held and nobody waits. After `STALE` of simulated time without another one it is absent: nobody
 walks on by a word from long ago.
+
+A node of ours that was left behind may leave for a while: it says which tick is the first without it,
+and from there on nobody waits for what it publishes. With its next message it is back.
 """
 
 from __future__ import annotations
@@ -26,7 +29,8 @@ from follower_humanoid.graph.wiring import (
 
 CLOCK = "clock"
 STALE = 0.5  # simulated time for which a stranger's newest message is held [s]
-_FAR_AHEAD = 100  # ticks; no lock-stepped publisher runs that far ahead
+_FAR_AHEAD = 100  # ticks; no lock-stepped stranger runs that far ahead
+_FURTHEST = 2500  # ticks that a node may fall behind in real time and still catch up
 
 
 @dataclass(slots=True)
@@ -43,16 +47,20 @@ class _Input:
     held: bool = False
     held_since: int = 0
     newest: object = None
+    begins: int = 0  # first tick since its node came back
+    left: int | None = None  # first tick without its node
 
     @property
     def missing(self) -> bool:
-        return self.awaited is not None and not self.held and self.awaited not in self.samples
+        if self.awaited is None or self.held or self.awaited in self.samples:
+            return False
+        return self.begins <= self.awaited and (self.left is None or self.awaited < self.left)
 
     def value(self, held_from: int) -> object:
         """What a step uses; a held message only if it came at tick `held_from` or later."""
         if self.held:
             return self.newest if self.held_since >= held_from else None
-        return None if self.awaited is None else self.samples[self.awaited]
+        return None if self.awaited is None else self.samples.get(self.awaited)
 
     def forget(self, before: int) -> None:
         """Drops what no step needs any more; the newest is kept for the case that a stranger falls silent."""
@@ -86,6 +94,7 @@ class LockStep:
         tick: The tick of the next step.
         late: Messages that came when their tick was over or already there; a node that steps at every
             tick has none.
+        strange: Messages of ticks so far ahead that no node of the graph can have come to them.
         stale: Inputs that were absent because what was held of a stranger had become too old.
     """
 
@@ -106,7 +115,7 @@ class LockStep:
             hold: Ticks for which a stranger's message is held, see `STALE`.
         """
         self.tick = 0
-        self.late = 0
+        self.late = self.strange = 0
         self.stale = 0
         self._hold_for = hold
         self._period = node.period
@@ -176,8 +185,14 @@ class LockStep:
         elif tick is None or not on_grid:
             self.late += 1
             return False
-        if tick in entry.samples or (entry.awaited is not None and tick < entry.awaited):
+        floor = entry.begins if entry.awaited is None else max(entry.awaited, entry.begins)
+        if tick in entry.samples or tick < floor:
             self.late += 1
+            return False
+        if entry.left is not None:
+            return self._come_back(entry, tick, sample)
+        if tick > floor + _FURTHEST:
+            self.strange += 1
             return False
         entry.samples[tick] = sample
         if tick != entry.awaited:
@@ -191,7 +206,7 @@ class LockStep:
             values = self._with_held(self.tick - self._hold_for)
         else:
             values = {
-                topic: None if entry.awaited is None else entry.samples[entry.awaited]
+                topic: None if entry.awaited is None else entry.samples.get(entry.awaited)
                 for topic, entry in self._inputs.items()
             }
         self.tick += self._period
@@ -215,6 +230,28 @@ class LockStep:
                 self._hold(entry, entry.newest)
         return given_up
 
+    def _come_back(self, entry: _Input, tick: int, sample: object) -> bool:
+        """A message from a node that has left: of before that, or the first of those to come."""
+        entry.samples[tick] = sample
+        if entry.left is not None and tick >= entry.left:
+            entry.begins, entry.left = tick, None
+        return self._count_missing()
+
+    def leave(self, producer: str, tick: int) -> bool:
+        """A node publishes nothing from a tick on; returns whether the step of `tick` is possible now."""
+        for entry in self._inputs.values():
+            if entry.producer == producer and not entry.foreign and tick >= entry.begins:
+                entry.left = tick
+        return self._count_missing()
+
+    def give_up_on(self, topics: Collection[str]) -> list[Missing]:
+        """Goes on without what is missing of these topics until their nodes have caught up."""
+        given_up = [missing for missing in self.missing() if missing.topic in topics]
+        for missing in given_up:
+            self._inputs[missing.topic].left = missing.tick
+        self._count_missing()
+        return given_up
+
     def restart(self, tick: int) -> None:
         """Forgets everything from before a tick: what was computed earlier is absent from now on."""
         self._origin = tick
@@ -228,9 +265,7 @@ class LockStep:
         entry.held, entry.held_since, entry.newest = True, self.tick, sample
         self._some_held = True
         entry.samples.clear()
-        if was_missing:
-            self._missing -= 1
-        return was_missing and self._missing == 0
+        return was_missing and self._count_missing()
 
     def _await(self) -> None:
         """Works out what the step of `tick` needs and forgets what no step needs any more."""
@@ -243,6 +278,11 @@ class LockStep:
             if used != entry.awaited:
                 entry.awaited = used
                 entry.forget(used)
-            if not entry.held and used not in entry.samples:
+            if not entry.held and used not in entry.samples and entry.missing:
                 missing += 1
         self._missing = missing
+
+    def _count_missing(self) -> bool:
+        """Counts what the step of `tick` still needs; true where that is nothing."""
+        self._missing = sum(entry.missing for entry in self._inputs.values())
+        return self._missing == 0

@@ -182,9 +182,7 @@ class Simulator:
             PhysicsError: The state left the finite numbers.
         """
         plant, sensors = self.plant, self._sensors
-        for group, (drives, command) in enumerate(
-            zip(self._drives, (inputs.legs, inputs.arms), strict=True)
-        ):
+        for group, (drives, command) in enumerate(zip(self._drives, (inputs.legs, inputs.arms), strict=True)):
             if group >= self._commanded:
                 drives.receive(command)
             drives.write(plant.q[7:], plant.v[6:], self._voltage)
@@ -211,6 +209,20 @@ class Simulator:
         self.tick += 1
         self.time = self.tick * self._period
         self.plant.time = self.time
+
+    def diagnostics(self) -> dict[str, float | int | str]:
+        """Ticks without a usable command, by group of motor drives."""
+        legs, arms = self._drives
+        values: dict[str, float | int | str] = {
+            "legs_held_ticks": legs.missed,
+            "arms_held_ticks": arms.missed,
+        }
+        holding = [
+            name for name, drives in (("legs", legs), ("arms", arms)) if drives.missed and drives.holding
+        ]
+        if holding:
+            values["warning"] = f"no commands: the drives of {' and '.join(holding)} hold"
+        return values
 
     def close(self) -> None:
         """Ends the physics server."""

@@ -137,9 +137,9 @@ class RollCall:
         self._complete = complete
         node.create_subscription(String, READY, self._heard, LATCHED)
 
-    def expect_reset(self, tick: int) -> None:
-        """From here on it waits until every node knows of the reset."""
-        self._awaited = {reset_known(name, tick) for name in self.others}
+    def expect_reset(self, tick: int, gone: Collection[str] = ()) -> None:
+        """From here on it waits until every node knows of the reset but those that have left."""
+        self._awaited = {reset_known(name, tick) for name in self.others if name not in gone}
 
     def _heard(self, message: String) -> None:
         if message.data in self._awaited:

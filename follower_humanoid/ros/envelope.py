@@ -34,12 +34,13 @@ class Envelope:
 
     Attributes:
         topics: What is in it, in order.
+        name: Topic that the envelopes travel on.
     """
 
     def __init__(self, node: NodeWiring) -> None:
         """Args: whose envelopes."""
         self.topics = tuple(node.outputs.values())
-        self._name = envelope_topic(node.name)
+        self.name = envelope_topic(node.name)
         self._lengths = struct.Struct(f"<{len(self.topics)}I")
         self._contents = _DATA + _STAMP.size + self._lengths.size
 
@@ -61,7 +62,7 @@ class Envelope:
             MessageError: Not an envelope of this node.
         """
         if len(data) < self._contents:
-            raise MessageError(self._name, f"{len(data)} bytes are no envelope")
+            raise MessageError(self.name, f"{len(data)} bytes are no envelope")
         (stamp,) = _STAMP.unpack_from(data, _DATA)
         messages = []
         at = self._contents
@@ -69,5 +70,5 @@ class Envelope:
             messages.append(data[at : at + length])
             at += length
         if at > len(data):
-            raise MessageError(self._name, f"cut short: {len(data)} bytes of {at}")
+            raise MessageError(self.name, f"cut short: {len(data)} bytes of {at}")
         return stamp, messages

@@ -88,6 +88,7 @@ class Inlet:
         self, producer: str, tick: int, samples: Mapping[str, Any], messages: Mapping[str, bytes]
     ) -> bool:
         """Takes in what a node of the same process has sent; returns whether the lock is ready now."""
+        self._node.come_back(tick)
         lock, ready = self._node.lock, False
         for topic in self.copies.keys() & messages.keys():
             self.copies[topic](messages[topic])
@@ -100,10 +101,13 @@ class Inlet:
         self, envelope: Envelope, parts: list[tuple[str, int, Any]], with_clock: bool, data: bytes
     ) -> None:
         node = self._node
-        lock, ready = node.lock, False
         try:
             stamp, messages = envelope.open(data)
-            tick = stamp // node.tick_ns
+            tick, rest = divmod(stamp, node.tick_ns)
+            if rest:
+                raise MessageError(envelope.name, f"stamp {stamp} ns is no tick")
+            node.come_back(tick)
+            lock, ready = node.lock, False
             for topic, index, decode in parts:
                 message = messages[index]
                 if topic in self.copies and message:
@@ -133,7 +137,9 @@ class Inlet:
             node.run_ready_steps()
 
     def _receive_clock(self, data: bytes) -> None:
-        lock, tick = self._node.lock, stamp_of(data) // self._node.tick_ns
+        tick = stamp_of(data) // self._node.tick_ns
+        self._node.come_back(tick)
+        lock = self._node.lock
         if lock.needs(CLOCK, tick) and lock.put(CLOCK, tick, True):
             self._node.run_ready_steps()
 

@@ -16,8 +16,9 @@ from follower_humanoid.ros.barrier import RESET, Announcer, Barrier
 from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.codecs import Codec, stamp_of
 from follower_humanoid.ros.inlet import Inlet
+from follower_humanoid.ros.leaving import AHEAD, Attendance
 from follower_humanoid.ros.managed_node import ManagedNode, Rate
-from follower_humanoid.ros.outlet import Outlet
+from follower_humanoid.ros.outlet import NOTHING, Outlet
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
 from follower_humanoid.ros.quiet import quiet_stderr
@@ -38,6 +39,9 @@ class LockStepNode(ManagedNode):
         bus: Connects the nodes of this process, if there are several.
         inlet, outlet: Bring messages in and out.
         reset_at: Tick from which everything begins anew, None where no reset is on its way.
+        idle: Deactivated while the others go on.
+        away: Left behind by the others, and not in step with them again.
+        attendance: Who else has left.
     """
 
     def __init__(self, wiring: NodeWiring, bus: Bus | None = None, **options: Any) -> None:
@@ -66,19 +70,18 @@ class LockStepNode(ManagedNode):
         self.inlet = Inlet(self)
         if bus is not None:
             bus.join(wiring.name, self.inlet.accept, self.run_ready_steps)
-        self.started = False
+        self.started = self.idle = self.away = False
         self.reset_at: int | None = None
         self.outlet: Outlet
         self.codecs: dict[str, Codec] = {}
-        self._own_subscriptions: list[Any] = []
-        self._own_publishers: list[Any] = []
         self._barrier: Barrier | None = None
         self._rate = Rate()
         self._steps = 0
         self._busy = self._cpu_from = 0.0
-        self._given_up = 0
+        self._given_up = self._strange_seen = 0
         self._progress_at = self._told_at = time.monotonic()
         self._announcer = Announcer(self)
+        self.attendance = Attendance(self, self._goes_on_without)
         self._barrier_timer = self.create_timer(_BARRIER_POLL, self._look_at_barrier, clock=self._wall)
         self._barrier_timer.cancel()
         self.create_timer(_PATIENCE, self._watch, clock=self._wall)
@@ -119,9 +122,11 @@ class LockStepNode(ManagedNode):
     # Lifecycle.
 
     def set_up(self) -> None:
-        """Makes component and endpoints."""
+        """Makes the component, and at the first time the endpoints."""
         robot = shared_robot(self.graph.urdf)
         self.component = self.wiring.make(self.config, robot, self.graph.tick)
+        if self._barrier is not None:
+            return
         self._barrier = barrier = Barrier(self, self.present)
         self.codecs = {
             topic: Codec(topic, robot)
@@ -138,41 +143,47 @@ class LockStepNode(ManagedNode):
     def start(self) -> None:
         """Looks for the others; the work begins when all are found."""
         self._progress_at = self._told_at = time.monotonic()
+        self.idle = False
         if self.started:
             self.run_ready_steps()
         else:
             self._barrier_timer.reset()
 
     def stop(self) -> None:
-        """Keeps listening, so that nothing is missed when it goes on."""
+        """Keeps step with the others, but says at each tick that it has nothing to say."""
         self._barrier_timer.cancel()
+        self.idle = self.started
+        self.run_ready_steps()
+
+    def come_back(self, tick: int) -> None:
+        """Joins the others again, after an absence, a little ahead of what it hears of them."""
+        if not self.away:
+            return
+        self.away = False
+        self.lock.restart(tick + AHEAD)
+        if self.reset_at is not None and self.reset_at <= self.lock.tick:
+            self.reset_at = None
+            if self.component is not None:
+                self.reset()
+        self.attendance.come_back(self.lock.tick)
+
+    def _goes_on_without(self, name: str, tick: int) -> None:
+        if self.lock.leave(name, tick):
+            self.run_ready_steps()
 
     def tear_down(self) -> None:
-        """Removes component and endpoints; the run is over for this node."""
-        for subscription in self._own_subscriptions:
-            self.destroy_subscription(subscription)
-        for publisher in self._own_publishers:
-            self.destroy_publisher(publisher)
-        self._own_subscriptions.clear()
-        self._own_publishers.clear()
-        self.lock = self._make_lock()
-        self.started = False
-        self.reset_at = None
+        """Removes the component; the endpoints stay, for the node keeps step with the others."""
         if hasattr(self.component, "close"):  # a physics engine does not end by itself
             self.component.close()
         self.component = None
 
     def make_publisher(self, message_type: type, topic: str) -> Any:
-        """A lock-step publisher that goes with the configuration."""
-        publisher = self.create_publisher(message_type, topic, LOCKSTEP)
-        self._own_publishers.append(publisher)
-        return publisher
+        """A lock-step publisher."""
+        return self.create_publisher(message_type, topic, LOCKSTEP)
 
     def make_subscription(self, message_type: type, topic: str, callback: Any, qos: Any = LOCKSTEP) -> Any:
-        """A subscription to serialised messages that goes with the configuration."""
-        subscription = self.create_subscription(message_type, topic, callback, qos, raw=True)
-        self._own_subscriptions.append(subscription)
-        return subscription
+        """A subscription to serialised messages."""
+        return self.create_subscription(message_type, topic, callback, qos, raw=True)
 
     # Steps.
 
@@ -189,16 +200,23 @@ class LockStepNode(ManagedNode):
         if self.reset_at is not None and self.lock.tick >= self.reset_at:
             self.lock.restart(self.reset_at)
             self.reset_at = None
-            self.reset()
+            if self.component is not None:
+                self.reset()
 
     def run_ready_steps(self) -> None:
         """Takes every step whose inputs are there."""
         self._reset_if_due()
-        while self.running and self.lock.ready and self.exit_status is None and self.may_step():
+        while (self.running or self.idle) and self.lock.ready and self.exit_status is None:
+            if not self.may_step():
+                return
             tick = self.lock.tick
             begin = time.perf_counter()
             try:
-                self.step(tick, self.lock.take())
+                samples = self.lock.take()
+                if self.idle:
+                    self.outlet.send(NOTHING, tick)
+                else:
+                    self.step(tick, samples)
             except Exception as error:  # a component that breaks ends the run, and says where
                 self.quit(1, f"{self.wiring.name} at tick {tick}: {type(error).__name__}: {error}")
                 return
@@ -239,6 +257,8 @@ class LockStepNode(ManagedNode):
             self._steps_seen, self._progress_at = self._steps, now
             return
         waited = now - self._progress_at
+        if self.lock.strange != self._strange_seen and not self.away:
+            self._catch_up()
         if waited >= _PATIENCE and (given_up := self.lock.give_up()):
             self._given_up += len(given_up)
             for missing in given_up:
@@ -246,6 +266,13 @@ class LockStepNode(ManagedNode):
             self.run_ready_steps()
         elif self.graph.watchdog and waited > self.graph.watchdog:
             self.stalled(waited, "; ".join(str(missing) for missing in self.lock.missing()))
+
+    def _catch_up(self) -> None:
+        """The others have gone on without this node, further than it can follow: it joins them again."""
+        self._strange_seen = self.lock.strange
+        self.logger.warning(f"left behind at tick {self.lock.tick}: going on where the others are")
+        self.away = True
+        self.attendance.leave(self.lock.tick)
 
     def stalled(self, waited: float, missing: str) -> None:
         """Nothing has come for longer than the watchdog allows."""
@@ -256,6 +283,11 @@ class LockStepNode(ManagedNode):
     def steps(self) -> int:
         """Steps taken so far."""
         return self._steps
+
+    def finish(self) -> None:
+        """Takes no further step."""
+        self.idle = False
+        super().finish()
 
     def _cpu_per_tick(self) -> float:
         """Of the whole process, since the start."""
@@ -285,6 +317,7 @@ class LockStepNode(ManagedNode):
             "process_cpu_per_tick [s]": self._cpu_per_tick(),
             "missed_ticks": self._given_up,
             "late_messages": self.lock.late,
+            "wrong_ticks": self.lock.strange,
             "stale_inputs": self.lock.stale,
             "rejected_messages": self.rejected,
         }

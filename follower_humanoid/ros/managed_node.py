@@ -9,6 +9,7 @@ from typing import Any, cast
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from follower_humanoid.errors import ConfigurationError
@@ -51,6 +52,7 @@ class ManagedNode(LifecycleNode):
         self.logger: Any = cast(Any, self).get_logger()
         self._told: set[str] = set()
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self._accept_transitions_with_care()
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", DIAGNOSTICS)
         self.create_timer(1.0, self._publish_diagnostics, clock=self._wall)
         self._starter = self.create_timer(0.0, self._start_itself, clock=self._wall)
@@ -146,6 +148,22 @@ class ManagedNode(LifecycleNode):
             self.quit(FAILED, f"{type(error).__name__}: {error}")
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
+
+    def _accept_transitions_with_care(self) -> None:
+        """Refuses a transition that the state does not know; rclpy would end the process."""
+        service: Any = cast(Any, self)._service_change_state
+        change = service.callback
+
+        def change_if_possible(request: Any, response: Any) -> Any:
+            try:
+                return change(request, response)
+            except rclpy_implementation.RCLError as error:
+                asked = request.transition.label or request.transition.id
+                self.logger.warning(f"no transition {asked} now: {error}")
+                response.success = False
+                return response
+
+        service.callback = change_if_possible
 
     def _start_itself(self) -> None:
         self._starter.cancel()

@@ -23,6 +23,16 @@ _LOOK_EVERY = 25  # messages between two looks for new listeners
 _READ_BY_NODES = frozenset(topic for node in NODES.values() for topic in node.inputs.values())
 
 
+class _Nothing:
+    """Outputs of a node that has nothing to say."""
+
+    def __getattr__(self, name: str) -> None:
+        return None
+
+
+NOTHING = _Nothing()
+
+
 class Outlet:
     """Sends a node's outputs: to its own process, to other processes of the graph, and to the public.
 

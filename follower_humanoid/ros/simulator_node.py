@@ -59,13 +59,16 @@ class SimulatorNode(LockStepNode):
 
     def set_up(self) -> None:
         """Builds the world and the endpoints, the clock among them."""
-        self._clock_publisher = self.make_publisher(Clock, CLOCK)
+        again = self._barrier is not None
+        if not again:
+            self._clock_publisher = self.make_publisher(Clock, CLOCK)
         super().set_up()
         robot = shared_robot(self.graph.urdf)
-        self._describer = self.create_publisher(String, "robot_description", LATCHED)
+        if not again:
+            self._describer = self.create_publisher(String, "robot_description", LATCHED)
         self._describer.publish(String(data=robot.urdf))
         self._end = RunEnd(self.run, robot)
-        if self._barrier is not None:
+        if self._barrier is not None and not again:
             self._barrier.watch(self._clock_publisher, {RECORDER} & self.present)
             self._reset_publisher = self.make_publisher(Header, RESET)
             self._barrier.watch(self._reset_publisher, self._roll_call.others)
@@ -115,7 +118,28 @@ class SimulatorNode(LockStepNode):
 
     def _keep_real_time(self) -> None:
         self._pace = Pace(self.graph.tick, time.monotonic(), self.lock.tick)
-        self.create_timer(_PACE, self.run_ready_steps, clock=self._wall)
+        self.create_timer(_PACE, self._keep_pace, clock=self._wall)
+
+    def _keep_pace(self) -> None:
+        """Goes on; time does not stand still for who is silent, whose motor drives then hold."""
+        self.run_ready_steps()
+        silent = time.monotonic() - self._stepped
+        if not (self.running and self.started) or self._waiting_for_all:
+            self._stepped = time.monotonic()
+        elif self.run.realtime and not self.lock.ready and silent > self.run.hold_after:
+            for missing in self.lock.give_up_on(self.lock.topics):
+                self.logger.warning(f"no {missing} for {silent:.2f} s: going on without it")
+            self.run_ready_steps()
+
+    def stop(self) -> None:
+        """Pauses: simulated time stands still for everyone."""
+
+    def tear_down(self) -> None:
+        """Ends the run: simulated time cannot begin again at 0 for those who have seen more of it."""
+        begun = self.started
+        super().tear_down()
+        if begun:
+            self.quit(0, "the simulator was cleaned up")
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One tick of physics, then the next state."""
@@ -148,8 +172,8 @@ class SimulatorNode(LockStepNode):
         # Nobody has stepped the tick after the next; slow nodes step at multiples of their period.
         whole = math.lcm(*(node.period for node in NODES.values()))
         self.reset_at = -(-(self.lock.tick + 2) // whole) * whole
-        self._roll_call.expect_reset(self.reset_at)
-        self._waiting_for_all = bool(self._roll_call.others)
+        self._roll_call.expect_reset(self.reset_at, self.attendance.gone)
+        self._waiting_for_all = bool(self._roll_call.waiting_for())
         header = Header()
         header.stamp.sec, header.stamp.nanosec = divmod(self.reset_at * self.tick_ns, NANOSECONDS)
         self._reset_publisher.publish(header)

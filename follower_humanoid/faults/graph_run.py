@@ -1,0 +1,161 @@
+"""A graph that is started to be disturbed, and what is left of it afterwards."""
+
+from __future__ import annotations
+
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from follower_humanoid.bag.reader import read_run
+from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.graph.record import Run
+from follower_humanoid.resources import node_command
+from follower_humanoid.ros.spin import PARENT
+
+PATIENCE = 120.0  # wall time for anything that takes seconds on a free machine [s]
+_TIME = re.compile(r"^t = ([0-9.]+) s", re.MULTILINE)
+
+
+def own_domain() -> int:
+    """A ROS domain that nobody else uses: the one of the environment, or a random one."""
+    return int(os.environ.get("ROS_DOMAIN_ID") or random.randint(1, 100))
+
+
+def wait_until(condition: Callable[[], bool], patience: float = PATIENCE) -> bool:
+    """Whether the condition came true in time."""
+    end = time.monotonic() + patience
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+@dataclass
+class GraphRun:
+    """A running bringup.
+
+    Attributes:
+        process: Its process.
+        folder: Where it writes.
+        environment: Of everything that shall talk to it.
+    """
+
+    process: subprocess.Popen[bytes]
+    folder: Path
+    environment: Mapping[str, str]
+
+    @property
+    def bag(self) -> Path:
+        """Folder of the bag."""
+        return self.folder / "bag"
+
+    @property
+    def said(self) -> str:
+        """What it has printed, to stdout and to stderr."""
+        return (self.folder / "out.txt").read_text(encoding="utf-8", errors="replace")
+
+    @property
+    def time(self) -> float:
+        """Simulated time as the status line tells [s]; −1 before there is one."""
+        times = _TIME.findall(self.said)
+        return float(times[-1]) if times else -1.0
+
+    @property
+    def over(self) -> bool:
+        """Whether it has ended."""
+        return self.process.poll() is not None
+
+    def reaches(self, simulated: float) -> bool:
+        """Waits until simulated time has come to a point [s]; false where it ended or stands still."""
+        return wait_until(lambda: self.over or self.time >= simulated) and not self.over
+
+    def children(self) -> dict[int, str]:
+        """Process id → command line of all that it has started, and that is still there."""
+        mark = f"{PARENT}={self.process.pid}".encode()
+        found = {}
+        for entry in Path("/proc").iterdir():
+            try:
+                if entry.name.isdigit() and mark in (entry / "environ").read_bytes().split(b"\0"):
+                    words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+                    if words:  # a zombie has none
+                        found[int(entry.name)] = words
+            except OSError:  # gone meanwhile, or not ours
+                continue
+        return found
+
+    def child(self, node: str) -> int:
+        """Process id of a node."""
+        return next(pid for pid, words in self.children().items() if f"/{node} " in f"{words} ")
+
+    def end(self, number: int = signal.SIGTERM) -> float:
+        """Sends a signal; returns how long the end took [s]."""
+        begin = time.monotonic()
+        self.process.send_signal(number)
+        self.status()
+        return time.monotonic() - begin
+
+    def status(self) -> int:
+        """Exit status, once it has ended."""
+        try:
+            return self.process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            return -1
+
+    def orphans(self) -> int:
+        """Processes that outlive it."""
+        wait_until(lambda: not self.children(), 5.0)
+        return len(self.children())
+
+    def recorded(self) -> Run | None:
+        """The bag; None where it cannot be read."""
+        try:
+            return read_run(self.bag)
+        except ConfigurationError:
+            return None
+
+    def operate(self, *words: str) -> subprocess.CompletedProcess[str]:
+        """Has an operator do something, see `faults.operator`."""
+        command = [sys.executable, "-m", "follower_humanoid.faults.operator", *words]
+        return subprocess.run(
+            command, env=self.environment, capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
+
+
+@contextmanager
+def graph_run(*options: str, domain: int | None = None) -> Iterator[GraphRun]:
+    """Starts a bringup with these options and a bag; at the end nothing of it is left."""
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(own_domain() if domain is None else domain)}
+    with tempfile.TemporaryDirectory(prefix="follower_humanoid_", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
+        with (folder / "out.txt").open("wb") as out:
+            words = [*node_command("bringup"), "--bag", str(folder / "bag"), *options]
+            process = subprocess.Popen(
+                words, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out
+            )
+        run = GraphRun(process, folder, environment)
+        try:
+            yield run
+        finally:
+            if not run.over:
+                process.kill()
+                process.wait()
+            for pid in run.children():
+                with_luck(pid)
+
+
+def with_luck(pid: int) -> None:
+    """Ends a process that may be gone already."""
+    try:
+        os.kill(pid, signal.SIGKILL)
+    except ProcessLookupError:
+        return
