@@ -71,16 +71,18 @@ def test_the_mean_acceleration_is_what_led_from_one_state_to_the_next(random):
     """Base and joints move at constant acceleration in world; the base's axes turn with it."""
     turn, step = pin.exp3(random.normal(size=3)), 1e-6
     velocity, spin, base, spin_rate = random.normal(size=(4, 3))
-    rates, joints = random.normal(size=(2, 45))
+    (rates, joints), gravity = random.normal(size=(2, 45)), random.normal(size=3)
     later = pin.exp3(step * spin) @ turn
     v = np.r_[turn.T @ velocity, turn.T @ spin, rates]
     end = np.r_[
         later.T @ (velocity + step * base), later.T @ (spin + step * spin_rate), rates + step * joints
     ]
-    found = np.zeros(51)
-    mean_acceleration(v, end, spin, spin + step * spin_rate, base, np.ascontiguousarray(turn), step, found)
+    found, felt = np.zeros(51), np.ones(3)
+    twists = np.array([velocity, spin]), np.array([velocity + step * base, spin + step * spin_rate])
+    mean_acceleration(v, end, *twists, np.ascontiguousarray(turn), gravity, step, found, felt)
     # By definition v̇ is the change of the components.
     assert found == pytest.approx((end - v) / step, abs=1e-4)
+    assert felt - 1.0 == pytest.approx(turn.T @ (base - gravity), abs=1e-7)
 
 
 def test_a_mean_wrench_is_transported_to_the_frame_of_the_sensor(random):
@@ -97,15 +99,15 @@ def test_the_base_is_found_from_the_centre_and_principal_axes_that_bullet_moves(
     spin, velocity = random.normal(size=(2, 3))
     arm = base.rotation @ center
     quat = pin.Quaternion(base.rotation @ axes).coeffs()
-    q, v, rotation, base_velocity, base_spin = (np.zeros(n) for n in (52, 51, (3, 3), 3, 3))
+    q, v, rotation, twist = (np.zeros(n) for n in (52, 51, (3, 3), (2, 3)))
     base_state(
         tuple(base.translation + arm), tuple(quat), tuple(velocity + np.cross(spin, arm)), tuple(spin),
-        center, pin.Quaternion(axes.T).coeffs().copy(), q, v, rotation, base_velocity, base_spin,
+        center, pin.Quaternion(axes.T).coeffs().copy(), q, v, rotation, twist,
     )  # fmt: skip
     assert rotation == pytest.approx(base.rotation, abs=1e-14)
     assert q[:3] == pytest.approx(base.translation, abs=1e-14)
     assert pin.Quaternion(q[3:7]).toRotationMatrix() == pytest.approx(base.rotation, abs=1e-14)
-    assert base_velocity == pytest.approx(velocity, abs=1e-14) and np.array_equal(base_spin, spin)
+    assert twist == pytest.approx(np.array([velocity, spin]), abs=1e-14)
     assert v[:6] == pytest.approx(np.r_[base.rotation.T @ velocity, base.rotation.T @ spin], abs=1e-14)
 
 

@@ -22,11 +22,11 @@ Triple = tuple[float, float, float]
 
 @kernel(
     "boolean(UniTuple(float64, 3), UniTuple(float64, 4), UniTuple(float64, 3), UniTuple(float64, 3), "
-    "float64[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], float64[::1], float64[::1])"
+    "float64[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], float64[:,::1])"
 )
 def base_state(
     position: Triple, quat: tuple[float, ...], linear: Triple, spin: Triple, center: Array, turn: Array,
-    q: Array, v: Array, rotation: Array, base_velocity: Array, base_spin: Array,
+    q: Array, v: Array, rotation: Array, base: Array,
 ) -> bool:  # fmt: skip
     """State of base_link from that of its centre of mass and principal axes.
 
@@ -40,7 +40,7 @@ def base_state(
         center: c, in base_link, (3,).
         turn: Quaternion of R_turn, base_link to principal axes, (4,).
         q, v: Configuration and velocity, of which the base's rows are written.
-        rotation, base_velocity, base_spin: Written: R, ẋ and ω.
+        rotation, base: Written: R, and ẋ and ω in world, (2, 3).
     """
     x, y, z, w = quat
     i, j, k, r = turn
@@ -59,21 +59,20 @@ def base_state(
     rotation[2, 1] = 2.0 * (y * z + x * w)
     rotation[2, 2] = 1.0 - 2.0 * (x * x + y * y)
     for axis in range(3):
-        base_spin[axis], base_velocity[axis] = spin[axis], linear[axis]
-        q[axis] = position[axis]
+        base[0, axis], base[1, axis], q[axis] = linear[axis], spin[axis], position[axis]
     for axis in range(3):
         # The centre's place relative to base_link, in world.
         arm = rotation[axis, 0] * center[0] + rotation[axis, 1] * center[1] + rotation[axis, 2] * center[2]
         q[axis] -= arm
         after, last = (axis + 1) % 3, (axis + 2) % 3
         # Its share of −ω × arm: along the two other axes.
-        base_velocity[after] -= spin[last] * arm
-        base_velocity[last] += spin[after] * arm
+        base[0, after] -= spin[last] * arm
+        base[0, last] += spin[after] * arm
     for axis in range(3):
         v[axis] = v[3 + axis] = 0.0
         for row in range(3):
-            v[axis] += rotation[row, axis] * base_velocity[row]
-            v[3 + axis] += rotation[row, axis] * base_spin[row]
+            v[axis] += rotation[row, axis] * base[0, row]
+            v[3 + axis] += rotation[row, axis] * base[1, row]
     total = 0.0
     for rate in v:
         total += rate
@@ -88,8 +87,8 @@ class BulletRobot:
         link_names: Names of PyBullet's links; −1 is the base.
         q, v: Configuration (52,) and velocity (51,), as in `RobotModel`; renewed in place by `read`.
         rotation: Base to world, shape (3, 3).
-        base_velocity: Of the base_link origin, in world axes, shape (3,) [m/s].
-        base_spin: Of the base, in world axes, shape (3,) [rad/s].
+        base_twist: Velocity of the base_link origin [m/s] and angular velocity [rad/s], in world axes, shape
+            (2, 3); a new array, like `rotation`, whenever the state is renewed.
         reads: How often the state was renewed.
         finite: False once a velocity is not finite.
         center_in_base: The base link's own centre of mass in base_link, shape (3,) [m].
@@ -133,9 +132,15 @@ class BulletRobot:
         self._principal_axes = pin.Quaternion(np.array(info[4]))
         self._to_base: Array = self._principal_axes.conjugate().coeffs().copy()
         self.q, self.v = np.zeros(7 + len(joint_names)), np.zeros(BASE_DOF + len(joint_names))
-        self.rotation, self.base_velocity, self.base_spin = np.eye(3), np.zeros(3), np.zeros(3)
+        self.rotation, self.base_twist = np.eye(3), np.zeros((2, 3))
         self.reads, self.finite = 0, True
         self.read()
+
+    @property
+    def base_velocity(self) -> Array:
+        """Of the base_link origin, in world axes, shape (3,) [m/s]."""
+        velocity: Array = self.base_twist[0]
+        return velocity
 
     def place(self, q: Array, v: Array) -> None:
         """Sets configuration and velocity, shapes (52,) and (51,)."""
@@ -169,11 +174,11 @@ class BulletRobot:
         joints, rates = self.q[7:], self.v[BASE_DOF:]
         joints[self._rows] = [state[0] for state in states]
         rates[self._rows] = [state[1] for state in states]
-        self.rotation, self.base_velocity, self.base_spin = np.empty((3, 3)), np.empty(3), np.empty(3)
+        self.rotation, self.base_twist = np.empty((3, 3)), np.empty((2, 3))
         self.reads += 1
         self.finite = base_state(
             position, quat, linear, spin, self.center_in_base, self._to_base,
-            self.q, self.v, self.rotation, self.base_velocity, self.base_spin,
+            self.q, self.v, self.rotation, self.base_twist,
         )  # fmt: skip
 
     def dof_order(self) -> Indices:

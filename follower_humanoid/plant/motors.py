@@ -150,7 +150,7 @@ class Motors:
             acceleration: Joint acceleration of this step, shape (45,) [rad/s²].
             end_velocity: Joint velocity at its end, shape (45,) [rad/s].
         """
-        torque = np.empty_like(self.drive)
+        torque = np.empty(len(self.drive))
         _finish(
             acceleration, end_velocity, self._open_current, self.drive, self.current_per_velocity,
             self.damping, self.inertia, self.current, torque,

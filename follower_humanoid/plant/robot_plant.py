@@ -51,7 +51,6 @@ class RobotPlant:
         bullet: The body in PyBullet; its `q` (52,) and `v` (51,) are the state, as in `RobotModel`.
         soles, motors, stops: What acts between robot and world, and in its joints.
         acceleration: Solution of the last step, shape (51,).
-        base_acceleration: Mean over the last step, of the base_link origin, in world, (3,) [m/s²].
         effort: Eq. (13)'s torque of the last step, shape (45,) [N·m]; a new array in every step.
         time: Simulated time [s].
         passes: Solutions that the last step needed.
@@ -89,7 +88,6 @@ class RobotPlant:
         self._sole_links = [self.bullet.link(joint) for joint in self.soles.joints]
         self.q, self.v = self.bullet.q, self.bullet.v
         self.acceleration = np.zeros(self.model.nv)
-        self.base_acceleration = np.zeros(3)
         self.effort = np.zeros(len(robot.joint_names))
         self.time = 0.0
         self.passes, self.settled = 0, True
@@ -120,7 +118,6 @@ class RobotPlant:
         self.motors.hold(state.torque)
         self.effort = state.torque.copy()
         self.acceleration = np.zeros(self.model.nv)
-        self.base_acceleration = np.zeros(3)
 
     def renew_dynamics(self) -> None:
         """Joint poses, world Jacobian, mass matrix, n and the f that it is made of: of the state of now."""
@@ -183,11 +180,9 @@ class RobotPlant:
         if on_ground:
             self.soles.commit(settled)
         self._apply(pulls, places)
-        before = self.bullet.base_velocity
         self.world.step()
         self.time += h
         self.bullet.read()
-        self.base_acceleration = (self.bullet.base_velocity - before) / h
         self._check_finite()
 
     def held_point(self, frame: int) -> HeldPoint:

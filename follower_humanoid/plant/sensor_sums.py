@@ -11,45 +11,40 @@ from follower_humanoid.robot.model import Indices
 
 
 @kernel(
-    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], float64, "
-    "float64[::1])"
+    "void(float64[::1], float64[::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[::1], float64, "
+    "float64[::1], float64[::1])"
 )
 def mean_acceleration(
-    v_before: Array, v: Array, spin_before: Array, spin: Array, base: Array, rotation: Array, step: float,
-    acceleration: Array,
+    v_before: Array, v: Array, base_before: Array, base: Array, rotation: Array, gravity: Array, step: float,
+    acceleration: Array, specific_force: Array,
 ) -> None:  # fmt: skip
-    """Writes the mean of v̇ over a step, in the base's axes at its beginning.
+    """Writes the mean of v̇ over a step, in the base's axes at its beginning; adds specific force.
 
-    (Rᵀ ẍ − ω × v,  Rᵀ Δω/h,  Δq̇/h): what the body really did, Bullet's own contacts included.
+    v̇ = (Rᵀ ẍ − ω × v,  Rᵀ Δω/h,  Δq̇/h), specific force Rᵀ (ẍ − g), with ẍ = Δẋ/h: what the body really
+    did, Bullet's own contacts included.
 
     Args:
         v_before, v: Velocity vector at beginning and end, (51,).
-        spin_before, spin: ω of the base in world, at beginning and end, (3,).
-        base: Mean ẍ of base_link in world, (3,).
+        base_before, base: ẋ and ω of base_link in world, at beginning and end, (2, 3).
         rotation: R at the beginning, (3, 3).
+        gravity: g in world, (3,).
         step: h.
         acceleration: Written, (51,).
+        specific_force: Changed, (3,).
     """
     for n in range(6, v.shape[0]):
         acceleration[n] = (v[n] - v_before[n]) / step
     for axis in range(3):
         after, last = (axis + 1) % 3, (axis + 2) % 3
+        linear = angular = 0.0
+        for row in range(3):
+            linear += rotation[row, axis] * (base[0, row] - base_before[0, row]) / step
+            angular += rotation[row, axis] * (base[1, row] - base_before[1, row]) / step
         turning = v_before[3 + after] * v_before[last] - v_before[3 + last] * v_before[after]
-        acceleration[axis] = -turning
-        acceleration[3 + axis] = 0.0
+        acceleration[axis], acceleration[3 + axis] = linear - turning, angular
+        specific_force[axis] += linear
         for row in range(3):
-            acceleration[axis] += rotation[row, axis] * base[row]
-            acceleration[3 + axis] += rotation[row, axis] * (spin[row] - spin_before[row]) / step
-
-
-@kernel("void(float64[::1], float64[::1], float64[:,::1], float64[::1])")
-def add_specific_force(base: Array, gravity: Array, rotation: Array, total: Array) -> None:
-    """Adds Rᵀ (ẍ − g) of the base to the accelerometer's sum, (3,)."""
-    for axis in range(3):
-        for row in range(3):
-            total[axis] -= rotation[row, axis] * gravity[row]
-        for row in range(3):
-            total[axis] += rotation[row, axis] * base[row]
+            specific_force[axis] -= rotation[row, axis] * gravity[row]
 
 
 @kernel(

@@ -12,12 +12,7 @@ from follower_humanoid.core.samples import SIDES, Array, Inertial, Joints, Odome
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.pulls import Pull, add_in_joint
 from follower_humanoid.plant.robot_plant import RobotPlant
-from follower_humanoid.plant.sensor_sums import (
-    add_joint_force,
-    add_specific_force,
-    mean_acceleration,
-    seen_from,
-)
+from follower_humanoid.plant.sensor_sums import add_joint_force, mean_acceleration, seen_from
 from follower_humanoid.robot.model import BASE_DOF
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -64,11 +59,16 @@ class Readings:
 
 
 class _SoleFrame:
-    """Where a sole's frame is fixed: joint, axes (3, 3) and origin (3,) in the joint's frame."""
+    """Where a sole's frame is fixed.
+
+    Attributes:
+        pose: Of the joint that carries it, a view that follows the plant, (4, 3).
+        axes, offset: Rotation (3, 3) and origin (3,) in the joint's frame.
+    """
 
     def __init__(self, plant: RobotPlant, name: str) -> None:
         frame = plant.model.frames[plant.robot.frame_id(name)]
-        self.joint = int(frame.parentJoint)
+        self.pose: Array = plant.joint_poses[frame.parentJoint]
         self.axes = np.ascontiguousarray(frame.placement.rotation)
         self.offset: Array = frame.placement.translation.copy()
 
@@ -78,6 +78,7 @@ class _WristJoint:
 
     Attributes:
         joint: Its Pinocchio id.
+        pose: Its pose in world, a view that follows the plant, (4, 3).
         columns: Columns of the Jacobian that move it.
         mass, lever, inertia: Of the hand, in the joint's frame: m, centre (3,), about the centre (3, 3).
         force_at_rest: Through the joint at no acceleration, a view that follows the plant, (6,).
@@ -88,6 +89,7 @@ class _WristJoint:
         frame = plant.model.frames[plant.robot.frame_id(name)]
         point = plant.held_point(plant.robot.frame_id(name))
         self.joint, self.columns = point.joint, point.columns
+        self.pose: Array = plant.joint_poses[self.joint]
         if len(plant.model.subtrees[self.joint]) > 1:
             name = plant.model.names[self.joint]
             raise ConfigurationError(f"URDF: another joint follows {name}, which must be the last of its arm")
@@ -111,7 +113,7 @@ class Sensors:
         self._specific_force = np.zeros(3)
         self._count = 0
         self._v = plant.v.copy()
-        self._rotation, self._spin = plant.rotation, plant.bullet.base_spin
+        self._rotation, self._base = plant.rotation, plant.bullet.base_twist
         self._acceleration = np.zeros_like(plant.v)
         self._biases = {
             name: np.array(getattr(config, name)) if any(getattr(config, name)) else None
@@ -128,31 +130,27 @@ class Sensors:
     def before_step(self) -> None:
         """Remembers the state at which the forces of the coming physics step act."""
         self._v[:] = self._plant.v
-        self._rotation, self._spin = self._plant.rotation, self._plant.bullet.base_spin
+        self._rotation, self._base = self._plant.rotation, self._plant.bullet.base_twist
 
     def after_step(self, pulls: tuple[Pull, ...] = ()) -> None:
         """Adds one physics step and what people did in it."""
         plant = self._plant
         if plant.soles.touching:
             plant.soles.add_wrenches_to(self._feet)
-        gravity = plant.world.ground.gravity
-        add_specific_force(plant.base_acceleration, gravity, self._rotation, self._specific_force)
         mean_acceleration(
-            self._v, plant.v, self._spin, plant.bullet.base_spin, plant.base_acceleration, self._rotation,
-            plant.world.step_length, self._acceleration,
+            self._v, plant.v, self._base, plant.bullet.base_twist, self._rotation, plant.world.ground.gravity,
+            plant.world.step_length, self._acceleration, self._specific_force,
         )  # fmt: skip
         for hand, row in zip(self._hands, self._wrists, strict=True):
             # Force through the wrist joint = inertia and weight of the hand less what acts on it.
             add_joint_force(
-                plant.joint_poses[hand.joint], plant.world_jacobian, hand.columns, self._acceleration,
+                hand.pose, plant.world_jacobian, hand.columns, self._acceleration,
                 hand.force_at_rest, hand.mass, hand.lever, hand.inertia, row,
             )  # fmt: skip
             for pull in pulls:
                 point = plant.held_point(pull.frame)
                 if point.joint == hand.joint:
-                    add_in_joint(
-                        plant.joint_poses[hand.joint], point.offset, pull.force, pull.torque, row
-                    )
+                    add_in_joint(hand.pose, point.offset, pull.force, pull.torque, row)
         self._count += 1
 
     def at_rest(self) -> None:
@@ -200,8 +198,7 @@ class Sensors:
         feet = []
         for sole, total in zip(self._soles, self._feet, strict=True):
             force, torque = np.empty(3), np.empty(3)
-            pose = self._plant.joint_poses[sole.joint]
-            seen_from(pose, sole.axes, sole.offset, total, self._count, force, torque)
+            seen_from(sole.pose, sole.axes, sole.offset, total, self._count, force, torque)
             feet.append(
                 Wrench(
                     self._measured(force, self._config.foot_force_noise),
