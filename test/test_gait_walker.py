@@ -257,3 +257,19 @@ def test_a_foot_waits_on_the_ground_while_the_dcm_is_off_but_not_for_ever() -> N
     longest = lift_off(99.0)
     assert waited < longest < usual + 2.0
     assert lift_off(98.0) == longest
+
+
+def test_a_foot_that_bounces_after_touching_down_is_not_sent_down_anew() -> None:
+    bench = WalkerBench(dt=0.002)
+    while bench.walker.half_step is None or bench.walker.half_step.swing_progress < 0.955:
+        bench.tick(AHEAD)
+    side = bench.walker.swinging
+    assert side is not None
+    touching, bouncing = {side: 100.0, side.other: 600.0}, {side: 0.0, side.other: 700.0}
+    speeds = []
+    for n in range(20):
+        bench.tick(AHEAD, loads=touching if n == 0 else bouncing)
+        assert bench.walker.half_step is not None
+        speeds.append(float(bench.walker.half_step.swing.height.velocity[0]))
+    assert np.abs(np.diff(speeds)).max() < 0.1 * max(abs(speeds[0]), 0.01)
+    assert abs(speeds[-1]) < abs(speeds[0])

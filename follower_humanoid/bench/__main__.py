@@ -30,12 +30,20 @@ def main(args: list[str] | None = None) -> int:
     parser.add_argument("--faults", action="store_true", help="try faults instead, see docs/reliability.md")
     parser.add_argument("--robust", action="store_true", help="disturb it instead, see docs/tuning.md")
     parser.add_argument("--speed", action="store_true", help="measure speed instead, see docs/speed.md")
+    parser.add_argument("--limits", action="store_true", help="how much it stands, by bisection, instead")
+    parser.add_argument(
+        "--tuning", type=Path, metavar="DIR", help="pictures of the three standard tests instead"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table as JSON")
     options = parser.parse_args(args)
+    if options.tuning is not None:
+        return _draw(options.tuning)
     try:
         if options.speed:
             _check_writable(options.json)
             return _speed(options.brief, options.json)
+        if options.limits:
+            return _limits(options.only)
         known = _scenarios(options.brief)
         if options.faults:
             known = _faults(options.brief)
@@ -156,6 +164,28 @@ def _disturbances() -> Runs:
         return _lines(ROWS[name]())
 
     return {name: functools.partial(tried, name) for name in ROWS}
+
+
+def _limits(names: list[str]) -> int:
+    """Prints the table of limits, or the named parts of it."""
+    from follower_humanoid.bench.limits import LIMITS
+
+    for name in names:
+        if name not in LIMITS:
+            raise UnknownNameError("limit", name, LIMITS)
+    for name in names or LIMITS:
+        for limit in LIMITS[name]():
+            print(f"| {limit.what} | {limit} |", flush=True)
+    return 0
+
+
+def _draw(folder: Path) -> int:
+    """Writes the pictures of docs/tuning.md."""
+    from follower_humanoid.bench.standard_tests import draw_standard_tests
+
+    for file in draw_standard_tests(folder):
+        print(file, flush=True)
+    return 0
 
 
 def _choose(names: list[str], known: Runs) -> Runs:

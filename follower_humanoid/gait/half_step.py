@@ -11,6 +11,8 @@ from follower_humanoid.gait.preview import ZmpLeg
 from follower_humanoid.gait.primitives import Primitive, StepContext
 from follower_humanoid.gait.sequence import Phase, Sequence, primitive_name
 
+DONE_FOR_GOOD = 0.85  # part of its window after which a primitive that has finished stays so
+
 
 class SwingFoot:
     """The channels of the foot in the air.
@@ -67,6 +69,7 @@ class HalfStep:
         self._swing_parts = [(sum(swings[:n]) / whole, part / whole) for n, part in enumerate(swings)]
         self._shortest_transfer = shortest_transfer
         self._targets: dict[tuple[int, int], Array] = {}
+        self._done: set[tuple[int, int]] = set()
         self.stance = stance
         self.swing = swing
         self.closing = closing
@@ -123,7 +126,7 @@ class HalfStep:
         for number, primitive in enumerate(self.phase.primitives):
             if not primitive.active(self.progress):
                 continue
-            if primitive.finished(context, self.progress):
+            if self._finished(number, primitive, context):
                 continue
             owned.add(primitive.channel)
             remaining = (primitive.end - self.progress) * phase_time
@@ -154,6 +157,16 @@ class HalfStep:
             part = swing if phase.single_support else transfer
             part += phase_zmp_plan(phase, begin, context, self._phase_time(phase, duration))
         return transfer, swing
+
+    def _finished(self, number: int, primitive: Primitive, context: StepContext) -> bool:
+        """Whether a primitive's work is done; late in its window for good: a foot may bounce."""
+        key = (self._index, number)
+        if key in self._done:
+            return True
+        finished = primitive.finished(context, self.progress)
+        if finished and primitive.completion(self.progress) > DONE_FOR_GOOD:
+            self._done.add(key)
+        return finished
 
     def _target(self, number: int, primitive: Primitive, context: StepContext) -> Array:
         """The target of a primitive of the present phase, kept once it has settled."""

@@ -82,7 +82,9 @@ class ReferenceMotion:
     def _recover(self, dcm: Array, wanted: Array) -> None:
         """Too far off, the reference follows reality: it starts from the measured DCM until on plan."""
         limit = self._config.capture.take_over
-        if math.dist(dcm, self.pendulum.state.dcm) > limit:
+        if self.walker.half_step is None:  # no step to come: what is wanted stays where it is
+            self.walker.recovering = False
+        elif math.dist(dcm, self.pendulum.state.dcm) > limit:
             self.walker.recovering = True
         elif math.dist(dcm, wanted) < RECOVERED * limit:
             self.walker.recovering = False
