@@ -183,6 +183,25 @@ def test_a_pull_is_met_by_ground_force_and_com() -> None:
     assert com_of(q)[0] - frame_pose(q, "l_sole").translation[0] < com_of(standing_configuration())[0] - 0.02
 
 
+def test_without_feedback_the_feet_push_as_planned_wherever_the_robot_is() -> None:
+    off = ZmpBalance.Config(feedback=False)
+    q = standing_configuration().copy()
+    q[:2] += 0.01
+    there = step(ZmpBalance(off, robot(), DT), **known(q=q))
+    force, _ = total(there, q)
+    np.testing.assert_allclose(force, [0.0, 0.0, WEIGHT], atol=1e-6)
+    np.testing.assert_allclose(there.zmp_command.xyz, known()["zmp_reference"].xyz, atol=1e-9)
+    # It is measured nevertheless.
+    np.testing.assert_allclose(there.dcm.xyz[:2] - com_of(standing_configuration())[:2], 0.01, atol=1e-9)
+
+
+def test_hand_forces_can_be_left_out() -> None:
+    pull = Wrench(np.array([15.0, 0.0, -20.0]), np.zeros(3))
+    out = step(ZmpBalance(ZmpBalance.Config(hand_forces=False), robot(), DT), **known(left_hand=pull))
+    force, _ = total(out, standing_configuration())
+    np.testing.assert_allclose(force, [0.0, 0.0, WEIGHT], atol=1e-6)
+
+
 def offset_for(wrench: Wrench, seconds: float = 3.0, **values: Any) -> tuple[Array, Array, Array]:
     """CoM relative to the left sole before and after; how far the right sole has moved against the left."""
     offset = ComOffset(OffsetConfig(**values), robot())

@@ -21,6 +21,7 @@ GROUPS = robot().groups
 LEGS, ARMS = GROUPS.legs, GROUPS.arms
 TOES = np.array([robot().joint_index(f"{prefix}_toe_pitch") for prefix in "lr"])
 HALF = 0.5 * robot().mass * GRAVITY
+FEET = {"left_foot_reference": vertical(HALF), "right_foot_reference": vertical(HALF)}
 
 
 def known(q: Array, v: Array, **changes: Any) -> dict[str, Any]:
@@ -210,15 +211,15 @@ def test_voltages_are_cut_at_the_limit_and_the_estimate_rests_there() -> None:
     for limit in (8.0, 48.0):
         legs = controller(motor=MotorModel(voltage_limit=limit))
         for _ in range(50):
-            command = step(legs, standing(reference=far))
+            command = step(legs, standing(reference=far, **FEET))
         cut = np.abs(command.effort).max() == limit
         assert cut == (limit == 8.0)
         shown = legs.diagnostics()
         assert shown["saturated_ticks"] == (50 if cut else 0)
         assert shown["peak_voltage [V]"] == pytest.approx(np.abs(command.effort).max(), rel=0.2)
         # Back at the reference: what is left is what the estimate has taken up.
-        late.append(step(legs, standing(reference=hold())).effort[row_of(knee)])
-    base = step(controller(), standing(reference=hold())).effort[row_of(knee)]
+        late.append(step(legs, standing(reference=hold(), **FEET)).effort[row_of(knee)])
+    base = step(controller(), standing(reference=hold(), **FEET)).effort[row_of(knee)]
     assert abs(late[0] - base) < 0.1 * abs(late[1] - base)
 
 
@@ -276,3 +277,15 @@ def test_left_and_right_are_mirror_images() -> None:
     full = np.zeros(45)
     full[LEGS] = one.effort
     np.testing.assert_allclose(two.effort, mirror(full)[LEGS], atol=1e-6)
+
+
+def test_without_desired_foot_wrenches_the_joints_are_stiff_about_the_reference() -> None:
+    rng = np.random.default_rng(11)
+    q, v = random_state(rng)
+    error, rate = rng.normal(0, 0.002, 45), rng.normal(0, 0.02, 45)
+    wanted = Joints(q[7:] + error, v[6:] + rate, np.zeros(45))
+    legs = controller(stiffness=5000.0, damping=70.0)
+    command = step(legs, known(q, v, reference=wanted))
+    torque = MotorInverse(MotorModel(), robot(), LEGS).motor_torque(command.effort, v[6 + LEGS])
+    driven = ~np.isin(LEGS, TOES)
+    np.testing.assert_allclose(torque[driven], (5000.0 * error + 70.0 * rate)[LEGS][driven], atol=1e-9)

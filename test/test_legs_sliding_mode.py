@@ -123,3 +123,11 @@ def test_without_the_estimate_a_disturbance_leaves_an_error_inside_the_boundary_
     assert np.abs(errors[-500:]).max() > 4e-3
     # Inside the boundary layer: |s| ≤ φ, so |e| ≤ φ/λ.
     assert np.abs(errors[-500:]).max() < 0.3 / 20.0
+
+
+def test_the_estimate_can_be_switched_off() -> None:
+    mode = SlidingMode(SlidingModeConfig(estimate=False), 1)
+    first = accelerate(mode, 0.01)
+    assert accelerate(mode, 0.01) == first
+    np.testing.assert_array_equal(mode.estimate, np.zeros(1))
+    assert first == accelerate(SlidingMode(SlidingModeConfig(estimator=0.0), 1), 0.01)

@@ -10,6 +10,7 @@ from follower_humanoid.balance.balance_config import BalanceConfig
 from follower_humanoid.balance.correction import Situation
 from follower_humanoid.balance.dcm_balance import DcmBalance
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
+from follower_humanoid.balance.paper_law import PaperBalance
 from follower_humanoid.balance.support_polygon import ground_hull
 from follower_humanoid.balance.zmp import SolePlace, measured_zmp
 from follower_humanoid.balance.zmp_watch import ZmpWatch
@@ -69,7 +70,11 @@ class ZmpBalance:
     def __init__(self, config: BalanceConfig, robot: RobotModel, period: float) -> None:
         self._config = config
         self._robot = robot
-        self._law = DcmBalance(config, robot, period)
+        self._law: DcmBalance | PaperBalance
+        if config.law == "paper":
+            self._law = PaperBalance(config.paper, config.offset.ik, config.feedback, robot, period)
+        else:
+            self._law = DcmBalance(config, robot, period)
         self._body = BodyState(robot)
         self._wanted = BodyState(robot)
         # Views that follow the body.
@@ -92,7 +97,7 @@ class ZmpBalance:
         polygon = self._support_polygon(inputs)
         self._watch.see(zmp, polygon, self._body.base[0])
         com, shown_zmp, shown_polygon = Point(self._body.com.copy()), _ground(zmp), _on_ground(polygon)
-        situation = self._situation(inputs, v)
+        situation = self._situation(inputs, v, zmp)
         if situation is None:
             return BalanceOutputs(com, shown_zmp, shown_polygon)
         correction = self._law.correct(situation)
@@ -112,7 +117,7 @@ class ZmpBalance:
         """How the ZMP keeps to its command and to the support polygon."""
         return self._watch.diagnostics()
 
-    def _situation(self, inputs: BalanceInputs, v: Array) -> Situation | None:
+    def _situation(self, inputs: BalanceInputs, v: Array, measured: Array | None) -> Situation | None:
         """What the law works from; None before the reference is complete."""
         joints, base, contacts = inputs.reference, inputs.base, inputs.contacts
         zmp, dcm = inputs.zmp_reference, inputs.dcm_reference
@@ -123,10 +128,12 @@ class ZmpBalance:
         return Situation(
             body=self._body, v=v, soles=self._soles, hands=self._hands(inputs),
             wanted=self._wanted, q_wanted=q_wanted, v_wanted=v_wanted,
-            zmp=zmp.xyz[:2], dcm=dcm.xyz[:2], contacts=contacts,
+            zmp=zmp.xyz[:2], dcm=dcm.xyz[:2], measured_zmp=measured, contacts=contacts,
         )  # fmt: skip
 
     def _hands(self, inputs: BalanceInputs) -> HandEffect:
+        if not self._config.hand_forces:
+            return hand_effect([], self._robot.mass)
         sensed = zip((inputs.left_hand, inputs.right_hand), self._grippers, strict=True)
         known = [(wrench, hand) for wrench, hand in sensed if wrench is not None]
         return hand_effect(known, self._robot.mass)

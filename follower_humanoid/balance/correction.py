@@ -22,6 +22,7 @@ class Situation:
         wanted: Kinematics of the reference motion.
         q_wanted, v_wanted: Its configuration, shape (52,), and velocity, shape (51,).
         zmp, dcm: Plan in world, shape (2,) [m].
+        measured_zmp: In world, shape (2,) [m]; None where the feet carry too little.
         contacts: Planned shares of the weight.
     """
 
@@ -34,6 +35,7 @@ class Situation:
     v_wanted: Array
     zmp: Array
     dcm: Array
+    measured_zmp: Array | None
     contacts: ContactPlan
 
 
@@ -42,14 +44,15 @@ class Correction:
     """What a law asks for.
 
     Attributes:
-        dcm: Measured, in world, shape (2,) [m].
         zmp: Commanded, in world, shape (2,) [m].
         reference: Corrected joint reference.
-        left_foot, right_foot: What the ground should do to each foot, at and in its sole frame.
+        dcm: Measured, in world, shape (2,) [m]; None under a law that knows none.
+        left_foot, right_foot: What the ground should do to each foot, at and in its sole frame; None
+            under a law that leaves it to stiff joints.
     """
 
-    dcm: Array
     zmp: Array
     reference: Joints
-    left_foot: Wrench
-    right_foot: Wrench
+    dcm: Array | None = None
+    left_foot: Wrench | None = None
+    right_foot: Wrench | None = None

@@ -30,16 +30,19 @@ class DcmBalance:
     def correct(self, now: Situation) -> Correction:
         """One tick."""
         config, mass, hands = self._config, self._mass, now.hands
-        state = CenterState(now.body.com, now.body.com_velocity)
+        measured = CenterState(now.body.com, now.body.com_velocity)
         reference = CenterState(now.wanted.com, now.wanted.com_velocity)
+        state = measured if config.feedback else reference
         omega = natural_frequency(float(reference.com[2]))
-        dcm = measured_dcm(state, hands, omega)
-        zmp = desired_zmp(dcm, now.dcm, now.zmp, omega, config.dcm.proportional)
+        dcm = measured_dcm(measured, hands, omega)
+        zmp = now.zmp
+        if config.feedback:
+            zmp = desired_zmp(dcm, now.dcm, now.zmp, omega, config.dcm.proportional)
         zmp = share_feet(zmp, now.soles, now.contacts, config.soles).zmp
         momentum_rate = self._swing.step(now.wanted.angular_momentum.copy(), self._period)
         turning = momentum_shift(momentum_rate, mass)
         force = desired_force(state, reference, zmp, turning, hands, omega, mass, config.dcm)
-        error, rate = _attitude_error(now)
+        error, rate = _attitude_error(now) if config.feedback else (np.zeros(3), np.zeros(3))
         shift = attitude_shift(error, rate, mass, config.attitude)
         moment = yaw_moment(error, rate, float(momentum_rate[2]), config.attitude)
         shares = share_feet(zmp + shift, now.soles, now.contacts, config.soles)
@@ -49,7 +52,7 @@ class DcmBalance:
             )
             for side in (Side.LEFT, Side.RIGHT)
         )
-        return Correction(dcm, shares.zmp, self._reference(now), left, right)
+        return Correction(shares.zmp, self._reference(now), dcm, left, right)
 
     def _reference(self, now: Situation) -> Joints:
         if not self._config.offset.enabled:

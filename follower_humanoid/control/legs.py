@@ -25,6 +25,10 @@ class LegConfig:
     ankle_swing_weight: float = parameter(0.5, "σ of the ankles of a foot in the air", "", 0, 1)
     carrying: float = parameter(100.0, "normal force at which a foot carries fully", "N", 1, 500)
     neck_weight: float = parameter(0.2, "σ of the neck", "", 0, 1)
+    stiffness: float = parameter(
+        12000.0, "of stiff joints, when balance asks for no foot wrenches", "N·m/rad", 0, 1e5
+    )
+    damping: float = parameter(160.0, "of stiff joints", "N·m·s/rad", 0, 1e4)
     toe_stiffness: float = parameter(60.0, "spring of the toe joints", "N·m/rad", 0, 500)
     toe_damping: float = parameter(0.3, "damper of the toe joints", "N·m·s/rad", 0, 50)
     sliding_mode: SlidingModeConfig = field(default_factory=SlidingModeConfig)
@@ -56,6 +60,8 @@ class LegOutputs:
 class LegController:
     """Drives legs, trunk and neck along the reference while the feet push as balance asks.
 
+    Where balance asks for no foot wrenches, as the paper's law does, the joints are stiff instead: what
+    the feet do follows from where they are sent.
     Before a reference comes it holds the first measured posture, with the foot wrenches it measured.
     """
 
@@ -102,15 +108,10 @@ class LegController:
         error, error_velocity = wanted - joints.position[legs], speed - velocity
         feedforward = (speed - self._last_speed) / self._period
         self._last_speed = speed
-        _weigh_ankles(
-            load, self._ankles, config.carrying, config.ankle_weight, config.ankle_swing_weight, self._weight
-        )
-        a = np.zeros(ACTUATED)  # of the arms too: they have a controller of their own
-        a[legs] = self._sliding.acceleration(
-            error, error_velocity, feedforward, self._weight, self._saturated, self._period
-        )
-        bias, external = self._dynamics(inputs)
-        torque = motor_torque(self._mass_matrix, bias, external, a, self._rotor_inertia)[0][legs]
+        if inputs.reference is not None and inputs.left_foot_reference is None:
+            torque = config.stiffness * error + config.damping * error_velocity
+        else:
+            torque = self._linearised(inputs, load, error, error_velocity, feedforward)
         _load_toes(
             load, self._first_load, self._toe_preload, self._toes, error, error_velocity,
             config.toe_stiffness, config.toe_damping, torque,
@@ -122,6 +123,22 @@ class LegController:
     def diagnostics(self) -> dict[str, float | str]:
         """Peak voltage and ticks at the limit."""
         return {"peak_voltage [V]": self._peak, "saturated_ticks": self._saturated_ticks}
+
+    def _linearised(
+        self, inputs: LegInputs, load: Array, error: Array, error_velocity: Array, feedforward: Array
+    ) -> Array:
+        """Sliding mode and feedback linearisation, eq. (16): torque of legs, trunk and neck [N·m]."""
+        config, legs = self._config, self._legs
+        _weigh_ankles(
+            load, self._ankles, config.carrying, config.ankle_weight, config.ankle_swing_weight, self._weight
+        )
+        a = np.zeros(ACTUATED)  # of the arms too: they have a controller of their own
+        a[legs] = self._sliding.acceleration(
+            error, error_velocity, feedforward, self._weight, self._saturated, self._period
+        )
+        bias, external = self._dynamics(inputs)
+        torque, _ = motor_torque(self._mass_matrix, bias, external, a, self._rotor_inertia)
+        return np.asarray(torque[legs])
 
     def _dynamics(self, inputs: LegInputs) -> tuple[Array, Array]:
         """n and the generalised force of desired foot and sensed hand wrenches; M is left in the data."""

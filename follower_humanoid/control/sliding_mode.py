@@ -20,6 +20,7 @@ class SlidingModeConfig:
     reaching: float = parameter(40.0, "proportional reaching rate", "1/s", 0, 500)
     switching: float = parameter(10.0, "switching amplitude", "rad/s²", 0, 500)
     boundary: float = parameter(0.3, "boundary layer of s", "rad/s", 1e-3, 10)
+    estimate: bool = parameter(True, "estimate disturbances and work against them")
     estimator: float = parameter(40.0, "integration rate of the disturbance estimate", "1/s²", 0, 500)
     estimate_limit: float = parameter(60.0, "largest disturbance estimate", "rad/s²", 0, 1000)
 
@@ -65,7 +66,8 @@ class SlidingMode:
         c = self._config
         return _sliding_mode(
             error, error_velocity, feedforward, weight, saturated, self.estimate,
-            c.slope, c.reaching, c.switching, c.boundary, c.estimator * dt, c.estimate_limit,
+            c.slope, c.reaching, c.switching, c.boundary,
+            c.estimator * dt if c.estimate else 0.0, c.estimate_limit,
         )  # fmt: skip
 
 

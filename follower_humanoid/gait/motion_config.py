@@ -19,6 +19,7 @@ class CompositionConfig:
     sequence: str = parameter(
         "", "file with the sequence of primitives; empty: the package's half-step", path=True
     )
+    dcm_preview: bool = parameter(True, "the reference DCM knows the ZMP to come; off: it is above the ZMP")
     dcm_convergence: float = parameter(
         4.0, "rate at which the reference DCM joins a changed plan", "1/s", 0.5, 20
     )

@@ -66,7 +66,8 @@ class ReferenceMotion:
         plan = walker.plan_ahead(gait)
         omega = natural_frequency(float(ik.com[2]))
         momentum = momentum_shift(ik.angular_momentum, self._mass)
-        dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, config.walker.preview)
+        horizon = config.walker.preview if config.dcm_preview else 0.0
+        dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, horizon)
         if dcm is not None and config.capture.enabled:
             self._recover(dcm, dcm_plan - omega * momentum)
             self._catch(dcm + omega * momentum, plan, omega)
