@@ -23,6 +23,8 @@ class HoldConfig:
 
     stiffness: float = parameter(300.0, "voltage per position error", "V/rad", 0.0, 1e5)
     damping: float = parameter(5.0, "voltage per velocity error", "V·s/rad", 0.0, 1e4)
+    stop_margin: float = parameter(0.0, "distance of a held position from the joint stops", "rad", 0.0, 0.5)
+    velocity_limit: float = parameter(20.0, "largest velocity of a reference", "rad/s", 0.0, 100.0)
 
 
 class Drives:
@@ -31,6 +33,8 @@ class Drives:
     Attributes:
         missed: Ticks without a usable command.
         holding: True while commands are missing.
+        limited: References taken over for holding that were beyond joint range or velocity limit.
+        slack: The robot has fallen: motors are short-circuited, which damps their joints.
     """
 
     def __init__(self, config: HoldConfig, motors: MotorConfig, robot: RobotModel, joints: Indices) -> None:
@@ -40,7 +44,10 @@ class Drives:
         toe = np.array(["toe" in robot.joint_names[j] for j in joints])
         self._back_emf = np.where(toe, motor.toe_gear, motor.gear) * motor.back_emf_constant
         self._limit = motor.voltage_limit
-        self.missed = 0
+        self._lower = robot.lower[joints] + config.stop_margin
+        self._upper = robot.upper[joints] - config.stop_margin
+        self.missed = self.limited = 0
+        self.slack = False
         self.holding = False
         size = len(joints)
         self._load, self._reference = np.zeros(size), np.zeros(size)
@@ -52,6 +59,11 @@ class Drives:
         self._load = voltage[self.joints].copy()
         self._command = None
         self.holding = True
+        self.slack = False
+
+    def slacken(self) -> None:
+        """From here on no voltage, whatever is commanded."""
+        self.slack = True
 
     def receive(self, command: Joints | None) -> None:
         """Takes the command of a control tick; None or numbers that are not finite: none."""
@@ -67,14 +79,21 @@ class Drives:
 
     def _take_over(self, command: Joints) -> None:
         """Prepares to hold the references of the last command and the load that it carried."""
-        self._reference = command.position
+        self._reference = np.clip(command.position, self._lower, self._upper)
         # What holds the load once the motion has ended: the voltage less its back-EMF share.
         limited = np.clip(command.effort, -self._limit, self._limit)
         velocity = np.where(np.isfinite(command.velocity), command.velocity, 0.0)
+        fast = self._config.velocity_limit
+        beyond = (self._reference != command.position) & np.isfinite(command.position)
+        self.limited += int(bool(beyond.any() or (np.abs(velocity) > fast).any()))
+        velocity = np.clip(velocity, -fast, fast)
         self._load = limited - self._back_emf * velocity
 
     def write(self, position: Array, velocity: Array, voltage: Array) -> None:
         """Writes this group's voltages of a physics step into `voltage`, shape (45,)."""
+        if self.slack:
+            voltage[self.joints] = 0.0
+            return
         if self._command is not None:
             voltage[self.joints] = self._command.effort
             return

@@ -15,6 +15,7 @@ from follower_humanoid.plant.falls import Fall, FallWatch
 from follower_humanoid.plant.grip import ZERO
 from follower_humanoid.plant.motors import MotorConfig
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
+from follower_humanoid.plant.pull_limits import PullLimiter, PullLimits
 from follower_humanoid.plant.pulls import Pull
 from follower_humanoid.plant.robot_plant import RobotPlant
 from follower_humanoid.plant.sensors import SensorConfig, Sensors
@@ -44,6 +45,7 @@ class SimulatorConfig:
     body: BodyErrorConfig = field(default_factory=BodyErrorConfig)
     sensors: SensorConfig = field(default_factory=SensorConfig)
     hold: HoldConfig = field(default_factory=HoldConfig)
+    pull: PullLimits = field(default_factory=PullLimits)
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,7 @@ class Simulator:
         self._commanded = 1 if config.fixed_trunk else 0
         self._falls = FallWatch(float(self.plant.q[2]))
         self._voltage = np.zeros(len(robot.joint_names))
+        self._limiter = PullLimiter(config.pull)
         self._pulled = [robot.frame_id(name) for name in PULLED]
         self.tick = 0
         self.time = 0.0
@@ -182,6 +185,9 @@ class Simulator:
             PhysicsError: The state left the finite numbers.
         """
         plant, sensors = self.plant, self._sensors
+        if self.fall is not None:
+            for drives in self._drives:
+                drives.slacken()
         for group, (drives, command) in enumerate(zip(self._drives, (inputs.legs, inputs.arms), strict=True)):
             if group >= self._commanded:
                 drives.receive(command)
@@ -211,11 +217,13 @@ class Simulator:
         self.plant.time = self.time
 
     def diagnostics(self) -> dict[str, float | int | str]:
-        """Ticks without a usable command, by group of motor drives."""
+        """Ticks without a usable command and with a limited one, and with more force than people have."""
         legs, arms = self._drives
         values: dict[str, float | int | str] = {
             "legs_held_ticks": legs.missed,
             "arms_held_ticks": arms.missed,
+            "limited_references": legs.limited + arms.limited,
+            **{f"limited_wrenches_{place}": count for place, count in self._limiter.cut.items()},
         }
         holding = [
             name for name, drives in (("legs", legs), ("arms", arms)) if drives.missed and drives.holding
@@ -230,7 +238,11 @@ class Simulator:
 
     def _grips(self, inputs: SimulatorInputs) -> list[tuple[int, Wrench, int]]:
         """Index into `PULLED`, wrench and frame of its axes (−1: world) of all that is not zero."""
-        wrenches = (inputs.leader_left, inputs.leader_right, inputs.push)
+        given = (inputs.leader_left, inputs.leader_right, inputs.push)
+        wrenches = [
+            None if wrench is None else self._limiter.limited(place, wrench)
+            for place, wrench in zip(self._limiter.cut, given, strict=True)
+        ]
         return [
             (index, wrench, -1 if wrench.frame in WORLD_NAMES else self._robot.frame_id(wrench.frame))
             for index, wrench in enumerate(wrenches)

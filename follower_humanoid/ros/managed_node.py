@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any, cast
@@ -19,6 +20,8 @@ from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.qos import DIAGNOSTICS
 
 BAD_CONFIGURATION = 2
+_TELL_EVERY = 1.0  # wall time between two warnings about messages on one topic [s]
+_LONGEST_WARNING = 400  # characters: a message may hold a name of any length
 FAILED = 1
 
 
@@ -51,6 +54,7 @@ class ManagedNode(LifecycleNode):
         self.rejected = 0
         self.logger: Any = cast(Any, self).get_logger()
         self._told: set[str] = set()
+        self._rejections: dict[str, tuple[float, int]] = {}  # topic -> told at [s], how many not told since
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._accept_transitions_with_care()
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", DIAGNOSTICS)
@@ -93,9 +97,16 @@ class ManagedNode(LifecycleNode):
             self.logger.warning(text)
 
     def reject(self, error: Exception) -> None:
-        """Counts a message that cannot be used and says why, once per reason."""
+        """Counts a message that cannot be used and says why, at most once a second per topic."""
         self.rejected += 1
-        self.tell_once(str(error))
+        topic, now = getattr(error, "topic", ""), time.monotonic()
+        told_at, untold = self._rejections.get(topic, (-math.inf, 0))
+        if now - told_at < _TELL_EVERY:
+            self._rejections[topic] = (told_at, untold + 1)
+            return
+        self._rejections[topic] = (now, 0)
+        more = f" ({untold} more before)" if untold else ""
+        self.logger.warning(str(error)[:_LONGEST_WARNING] + more)
 
     @property
     def steps(self) -> int:

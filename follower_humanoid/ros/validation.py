@@ -16,6 +16,7 @@ class MessageError(FollowerError):
 
     def __init__(self, topic: str, reason: str) -> None:
         super().__init__(f"message on {topic} rejected: {reason}")
+        self.topic = topic
 
 
 def finite(topic: str, values: Array) -> Array:

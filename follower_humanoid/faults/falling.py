@@ -1,0 +1,77 @@
+"""The robot falls, or its physics break."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from follower_humanoid.bench.check import Check
+from follower_humanoid.core.samples import Wrench
+from follower_humanoid.errors import PhysicsError
+from follower_humanoid.faults.case import Effort, survived
+from follower_humanoid.graph.simulate import TICK, Chain
+
+LATEST = 0.2  # s from fallen to told
+
+
+def falling(effort: Effort) -> Iterator[Check]:
+    """A line for a fall, one for what the motors then do, one for broken physics."""
+    yield from _shoved(effort)
+    yield _broken()
+
+
+def _shoved(effort: Effort) -> Iterator[Check]:
+    directions = effort.count(1, 8)
+    late, volts = [], []
+    for number in range(directions):
+        angle = 2.0 * np.pi * number / directions
+        shove = Wrench(600.0 * np.array([np.cos(angle), np.sin(angle), 0.0]), np.zeros(3))
+        chain = Chain(interference=_pushing(shove))
+        try:
+            late.append(_time_to_tell(chain))
+            for _ in range(100):
+                chain.advance()
+            volts.append(float(np.abs(chain.simulator.plant.motors.voltage).max()))
+        finally:
+            chain.close()
+    observed = f"told after {max(late):.3f} s at most, {directions} directions"
+    yield survived("shoved over with 600 N", f"told within {LATEST} s", observed, max(late) <= LATEST)
+    peak = max(volts)
+    yield survived("motors of a fallen robot", "0 V: damped by their own", f"{peak:.1f} V", peak == 0.0)
+
+
+def _pushing(shove: Wrench) -> Any:
+    return lambda topic, tick, sample: shove if topic == "base/push" else sample
+
+
+def _time_to_tell(chain: Chain) -> float:
+    """From the first tick at which it lies, by a look of our own, to the fall being told [s]."""
+    standing = float(chain.simulator.plant.q[2])
+    lies_since = None
+    for _ in range(round(10.0 / TICK)):
+        chain.advance()
+        simulator = chain.simulator
+        lies = simulator.plant.q[2] < 0.6 * standing or simulator.plant.rotation[2, 2] < np.cos(np.pi / 4)
+        if lies_since is None and lies:
+            lies_since = simulator.time
+        if simulator.fall is not None:
+            return 0.0 if lies_since is None else simulator.time - lies_since
+    return float("inf")
+
+
+def _broken() -> Check:
+    chain = Chain(without=("leader",))
+    try:
+        for _ in range(50):
+            chain.advance()
+        chain.simulator.plant.motors.current[3] = np.nan
+        chain.advance()
+        observed, good = "went on", False
+    except PhysicsError as error:
+        observed = str(error)
+        good = f"{50 * TICK:.3f}"[:4] in observed
+    finally:
+        chain.close()
+    return survived("not a number in the physics", "ends, says when and where it began", observed, good)

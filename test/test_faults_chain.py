@@ -1,0 +1,94 @@
+"""Faults tried without a running graph: each line of the table must hold."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from follower_humanoid.core.samples import Joints, Wrench
+from follower_humanoid.faults.case import Effort
+from follower_humanoid.faults.falling import falling
+from follower_humanoid.faults.limits import beyond_limits, chain_with
+from follower_humanoid.faults.messages import hostile_messages
+from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.plant.drives import Drives, HoldConfig
+from follower_humanoid.plant.motors import MotorConfig
+from follower_humanoid.plant.pull_limits import PullLimiter, PullLimits
+from follower_humanoid.robot.model import RobotModel
+
+
+@pytest.mark.parametrize("tried", [hostile_messages, beyond_limits, falling])
+@pytest.mark.filterwarnings("ignore:.*encountered in dot")
+def test_every_line_holds(tried):
+    lines = list(tried(Effort(brief=True)))
+    assert lines
+    assert [f"{line.what}: {line.measured}" for line in lines if not line.passed] == []
+
+
+@pytest.mark.parametrize("node", [name for name in NODES if name not in ("simulator", "leader")])
+def test_standing_it_stays_up_while_a_controller_says_nothing(node):
+    silent = set(NODES[node].outputs.values())
+
+    def said(topic, tick, sample):
+        return None if topic in silent and 25 <= tick < 150 else sample
+
+    chain, fault = chain_with(said, 0.5)
+    assert fault == ""
+    assert chain.simulator.plant.q[2] > 0.8
+
+
+def test_without_faults_nothing_is_held_or_limited():
+    chain, fault = chain_with(lambda topic, tick, sample: sample, 0.5, leader=True)
+    assert fault == ""
+    told = chain.simulator.diagnostics()
+    assert set(told.values()) == {0}
+
+
+@pytest.mark.parametrize(
+    "force", [[300.0, 0.0, 0.0], [1e300, -1e300, 1e300], [120.0, 160.0, 0.1], [1e-300] * 3]
+)
+def test_a_pull_is_cut_to_the_limit_in_its_own_direction_once(force):
+    limiter = PullLimiter(PullLimits())
+    pull = Wrench(np.array(force), np.zeros(3))
+    cut = limiter.limited("left_hand", pull)
+    assert np.linalg.norm(cut.force) <= 200.0 * (1 + 1e-9)
+    if max(map(abs, force)) > 100.0:
+        direction = np.array(force) / max(map(abs, force))
+        np.testing.assert_allclose(cut.force / max(abs(cut.force)), direction, rtol=1e-12)
+        assert limiter.cut["left_hand"] == 1
+    else:
+        assert cut is pull
+    again = PullLimiter(PullLimits())
+    assert again.limited("left_hand", cut) is cut
+    assert again.cut["left_hand"] == 0
+
+
+def test_a_drive_holds_within_the_range_of_its_joints():
+    robot = RobotModel()
+    joints = robot.groups.arms
+    drives = Drives(HoldConfig(), MotorConfig(), robot, joints)
+    position, voltage = np.zeros(45), np.zeros(45)
+    drives.start(position, voltage)
+    drives.receive(Joints(np.full(14, 1e300), np.full(14, -1e300), np.zeros(14)))
+    drives.receive(None)
+    position[joints] = robot.upper[joints]
+    drives.write(position, np.zeros(45), voltage)
+    assert drives.limited == 1
+    back_emf = MotorConfig().gear * MotorConfig().back_emf_constant
+    np.testing.assert_allclose(voltage[joints], back_emf * HoldConfig().velocity_limit)
+
+
+def test_a_slack_drive_gives_no_voltage_until_it_starts_anew():
+    robot = RobotModel()
+    drives = Drives(HoldConfig(), MotorConfig(), robot, robot.groups.arms)
+    position, voltage = np.zeros(45), np.full(45, math.pi)
+    drives.start(position, voltage)
+    drives.slacken()
+    drives.receive(Joints(*(np.ones(14) for _ in range(3))))
+    drives.write(position, position, voltage)
+    assert (voltage[robot.groups.arms] == 0.0).all()
+    drives.start(position, np.ones(45))
+    drives.write(position, position, voltage)
+    assert (voltage[robot.groups.arms] == 1.0).all()
