@@ -26,7 +26,7 @@ from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.simulator_node import SimulatorNode
 
 NAMESPACE = "/robots"
-ENVELOPES = {envelope_topic(name) for name in NODES}
+ENVELOPES = {envelope_topic(name, slow) for name in NODES for slow in (False, True)}
 OWN = {"robot_description", ABSENT, ADJUSTED, RESET, CLOCK, LEAVE, "graph/ready", *ENVELOPES}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
@@ -104,8 +104,14 @@ def test_envelopes_come_from_those_who_produce_an_input_and_from_nobody_else(run
     producers = {PRODUCER[topic].name for topic in NODES[name].inputs.values()}
     if name == "leader":  # the simulator's envelopes are its clock
         producers = {SIMULATOR}
-    assert listens & ENVELOPES == {envelope_topic(producer) for producer in producers}
-    assert publishes & ENVELOPES == {envelope_topic(name)}
+    slow = NODES[name].period > 1
+    assert listens & ENVELOPES == {envelope_topic(producer, slow) for producer in producers}
+    assert envelope_topic(name) in publishes & ENVELOPES <= {envelope_topic(name), envelope_topic(name, True)}
+
+
+def test_slow_nodes_are_the_only_reason_for_a_second_envelope(running):
+    slow = {name for name, (_, publishes) in running.items() if envelope_topic(name, True) in publishes}
+    assert slow == {SIMULATOR, "wrench_sensing", "arm_controller"}
 
 
 @pytest.mark.parametrize("name", NODES)

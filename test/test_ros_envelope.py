@@ -7,8 +7,9 @@ import pytest
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import UInt8MultiArray
 
-from follower_humanoid.graph.wiring import NODES
-from follower_humanoid.ros.envelope import Envelope
+from follower_humanoid.graph.wiring import NODES, used_tick
+from follower_humanoid.ros.envelope import Envelope, hears_slow
+from follower_humanoid.ros.outlet import _used_by_slow_nodes
 from follower_humanoid.ros.validation import MessageError
 
 NODE = NODES["simulator"]
@@ -46,3 +47,17 @@ def test_what_is_cut_short_is_refused(length):
 
 def test_topics_stand_in_the_order_of_the_wiring():
     assert Envelope(NODE).topics == tuple(NODE.outputs.values())
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_slow_nodes_get_every_tick_that_they_use_and_few_others(name):
+    producer = NODES[name]
+    ticks = set(_used_by_slow_nodes(producer, NODES.values()))
+    sent = {tick for tick in range(0, 100) if any((tick + lag) % period == 0 for lag, period in ticks)}
+    for reader in NODES.values():
+        if not hears_slow(reader, producer):
+            continue
+        for topic in set(reader.inputs.values()) & set(producer.outputs.values()):
+            used = {used_tick(tick, topic) for tick in range(0, 100, reader.period)}
+            assert {tick for tick in used if tick >= 0} <= sent
+    assert len(sent) <= 20

@@ -14,7 +14,7 @@ from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nodes_with
 from follower_humanoid.ros.barrier import Barrier
 from follower_humanoid.ros.codecs import Codec, stamp_of
-from follower_humanoid.ros.envelope import Envelope, envelope_topic
+from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.validation import MessageError
@@ -72,7 +72,8 @@ class Inlet:
                 if topic != CLOCK
             ]
             receive = partial(self._receive_envelope, envelope, parts, CLOCK in topics)
-            node.make_subscription(UInt8MultiArray, envelope_topic(producer), receive)
+            slow = hears_slow(node.wiring, table[producer])
+            node.make_subscription(UInt8MultiArray, envelope_topic(producer, slow), receive)
         for topic in self._by_topic:
             if topic == CLOCK:
                 node.make_subscription(Clock, CLOCK, self._receive_clock)

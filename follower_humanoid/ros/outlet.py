@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from std_msgs.msg import Header, UInt8MultiArray
 
 from follower_humanoid.graph.graph_config import RECORDER
-from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.graph.wiring import NODES, SIMULATOR, NodeWiring, is_same_tick, nodes_with
 from follower_humanoid.ros.barrier import Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import NANOSECONDS, Codec
-from follower_humanoid.ros.envelope import Envelope, envelope_topic
+from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.formats import PEOPLE
 
 if TYPE_CHECKING:
@@ -33,6 +33,18 @@ class _Nothing:
 NOTHING = _Nothing()
 
 
+def _used_by_slow_nodes(producer: NodeWiring, nodes: Iterable[NodeWiring]) -> Iterator[tuple[int, int]]:
+    """Which ticks slow nodes use: lag and period; tick k where k + lag is a multiple of the period."""
+    for reader in nodes:
+        if not hears_slow(reader, producer):
+            continue
+        if producer.name == SIMULATOR:  # its clock
+            yield 0, reader.period
+        for topic in reader.inputs.values():
+            if topic in producer.outputs.values():
+                yield 0 if is_same_tick(topic) else producer.period, reader.period
+
+
 class Outlet:
     """Sends a node's outputs: to its own process, to other processes of the graph, and to the public.
 
@@ -49,10 +61,14 @@ class Outlet:
             topic: node.make_publisher(codecs[topic].message_type, topic) for topic in self._envelope.topics
         }
         self._sealed = node.make_publisher(UInt8MultiArray, envelope_topic(node.wiring.name))
+        self._slow_ticks = set(_used_by_slow_nodes(node.wiring, nodes_with(node.present).values()))
+        self._slow: Any = None
+        if self._slow_ticks:
+            self._slow = node.make_publisher(UInt8MultiArray, envelope_topic(node.wiring.name, slow=True))
         self._absent = node.make_publisher(Header, ABSENT)
         self._sent = 0
         self._heard: dict[str, Any] = {}
-        self._sealed_heard = self._absent_heard = False
+        self._sealed_heard = self._slow_heard = self._absent_heard = False
 
     def watch(self, barrier: Barrier, more_ways: Mapping[str, Sequence[Any]]) -> None:
         """Tells the barrier who must be found before the first message.
@@ -72,12 +88,18 @@ class Outlet:
                 for reader in readers - {RECORDER}:  # one that takes this node for a stranger goes by names
                     ways.setdefault(reader, [self._absent]).append(publisher)
         barrier.watch(self._absent, ())
-        barrier.watch_either(self._sealed, {r: p for r, p in ways.items() if not node.shares_process(r)})
+        table = nodes_with(node.present)
+        others = {reader: p for reader, p in ways.items() if not node.shares_process(reader)}
+        slow = {reader for reader in others if hears_slow(table[reader], node.wiring)}
+        barrier.watch_either(self._sealed, {r: p for r, p in others.items() if r not in slow})
+        if slow:
+            barrier.watch_either(self._slow, {r: p for r, p in others.items() if r in slow})
 
     def look(self) -> None:
         """Finds out who listens."""
         self._heard = {t: p for t, p in self._public.items() if t in PEOPLE or p.get_subscription_count()}
         self._sealed_heard = self._sealed.get_subscription_count() > 0
+        self._slow_heard = self._slow is not None and self._slow.get_subscription_count() > 0
         self._absent_heard = self._absent.get_subscription_count() > 0
 
     def send(self, outputs: Any, tick: int) -> None:
@@ -88,15 +110,19 @@ class Outlet:
         node = self._node
         stamp = tick * node.tick_ns
         samples = {topic: getattr(outputs, name) for name, topic in self._fields}
-        made = samples if self._sealed_heard else self._heard
+        slow = self._slow_heard and any((tick + lag) % period == 0 for lag, period in self._slow_ticks)
+        made = samples if self._sealed_heard or slow else self._heard
         messages = {
             topic: self._codecs[topic].encode(samples[topic], stamp)
             for topic in made
             if samples[topic] is not None
         }
-        if self._sealed_heard:  # first what others wait for
-            parts = [messages.get(topic, b"") for topic in samples]
-            self._sealed.publish(self._envelope.seal(stamp, parts))
+        if self._sealed_heard or slow:  # first what others wait for
+            data = self._envelope.seal(stamp, [messages.get(topic, b"") for topic in samples])
+            if self._sealed_heard:
+                self._sealed.publish(data)
+            if slow:
+                self._slow.publish(data)
         if node.bus is not None:
             node.bus.post(node.wiring.name, tick, samples, messages)
         for topic, publisher in self._heard.items():
