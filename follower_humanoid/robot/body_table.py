@@ -230,6 +230,7 @@ def _trunk() -> tuple[list[Link], list[Joint], list[Frame]]:
             (
                 Shape("cylinder", (0.05, 0.10, 0), (0, 0, 0.03), SKIN),
                 Shape("sphere", (0.105, 0, 0), (0.01, 0, 0.155), SKIN, solid=True),
+                Shape("box", (0.06, 0.15, 0.04), (0.09, 0, 0.17), DARK),  # where it looks
             ),
         ),
     ]  # fmt: skip

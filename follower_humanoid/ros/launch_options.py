@@ -30,3 +30,9 @@ def bringup_command(values: Mapping[str, str]) -> list[str]:
         parts = given.split(",") if name in _LISTS else [given]
         words += [word for part in parts if part for word in (f"--{name}", part)]
     return words + [f"--{name}" for name in SWITCHES if values.get(name, "").lower() == "true"]
+
+
+def displays_command(namespace: str) -> list[str]:
+    """The command line of a viewer that offers no page, only what RViz and Foxglove show."""
+    remap = ["-r", f"__ns:=/{namespace}"] if namespace else []
+    return [*node_command("viewer"), "--ros-args", "-p", "page:=false", *remap]
