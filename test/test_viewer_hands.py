@@ -63,12 +63,17 @@ def test_letting_go(hands, end):
     assert not hands.pages()
 
 
-def test_a_page_that_falls_silent_has_let_go_and_must_take_the_hand_anew(hands):
+def test_a_page_that_falls_silent_has_let_go_until_it_drags_on(hands):
     grab(hands, (0.2, 0.0, 0.0))
     hands.heard(1, 1.0)
     assert hands.force(LEFT, HAND, 1.0 + CONFIG.patience) is not None
     assert hands.force(LEFT, HAND, 1.0 + CONFIG.patience + 0.01) is None
-    hands.pull_to(LEFT, 1, HAND + 1.0, 3.0)  # its pointer moves on: the button is still down
+    hands.heard(1, 2.9)
+    assert hands.force(LEFT, HAND, 2.9) is None
+    hands.pull_to(LEFT, 1, HAND + GRIP + FORWARD, 3.0)  # its pointer moves on: the button is still down
+    np.testing.assert_allclose(hands.force(LEFT, HAND, 3.0), [5.0, 0.0, 0.0])
+    hands.let_go(LEFT, 1)
+    hands.pull_to(LEFT, 1, HAND + 1.0, 3.0)
     assert hands.force(LEFT, HAND, 3.0) is None
 
 

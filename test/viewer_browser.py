@@ -6,6 +6,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -150,6 +151,10 @@ class Browser:
         """What the page has complained about on its console."""
         entries = self.driver.get_log("browser")
         return [e["message"] for e in entries if e["level"] == "SEVERE" and _HARMLESS not in e["message"]]
+
+    def picture(self, file: Path) -> None:
+        """What the window shows, as a PNG file."""
+        self.driver.save_screenshot(str(file))
 
     def close(self) -> None:
         self.driver.quit()

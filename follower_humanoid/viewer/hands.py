@@ -43,18 +43,22 @@ class Hands:
         """Nobody holds on."""
         self._config = config
         self._holds: dict[Side, _Hold] = {}
+        self._grips: dict[Side, tuple[int, Array]] = {}  # of drags whose button is down
         self._lock = threading.RLock()
 
     def pull_to(self, side: Side, page: int, target: Array, now: float, grip: Array | None = None) -> None:
-        """Leads a leash to a point of the picture; `grip` is told when it begins [m]."""
+        """Leads a leash to a point of the picture; `grip` is told when it begins [m].
+
+        A page that had been silent and drags on takes the hand again, unless somebody else has it now.
+        """
         with self._lock:
             hold = self._holds.get(side)
-            if grip is None:
-                mine = hold is not None and hold.page == page and hold.target is not None
-                if hold is None or not mine:
-                    return  # of a page that has been taken for lost: it must take the hand anew
-                grip = hold.grip
-            self._holds[side] = _Hold(page, now, np.array(target, dtype=float), grip, np.zeros(3))
+            if grip is not None:
+                self._grips[side] = (page, grip)
+            begun_by, began_at = self._grips.get(side, (None, None))
+            if began_at is None or begun_by != page or (hold is not None and hold.target is None):
+                return
+            self._holds[side] = _Hold(page, now, np.array(target, dtype=float), began_at, np.zeros(3))
 
     def pull_with(self, side: Side, page: int, force: Array, now: float) -> None:
         """Pulls steadily, force in world [N]; zero lets go."""
@@ -67,6 +71,8 @@ class Hands:
     def let_go(self, side: Side, page: int) -> None:
         """Ends a hold of this page."""
         with self._lock:
+            if side in self._grips and self._grips[side][0] == page:
+                del self._grips[side]
             if side in self._holds and self._holds[side].page == page:
                 del self._holds[side]
 
@@ -74,6 +80,7 @@ class Hands:
         """Ends every hold."""
         with self._lock:
             self._holds.clear()
+            self._grips.clear()
 
     def gone(self, page: int) -> None:
         """The page is closed."""

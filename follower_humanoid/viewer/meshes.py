@@ -28,7 +28,7 @@ class Copies:
         positions: In the link frame, shape (n, 3) [m].
         rotations: Copy to link as quaternions (w, x, y, z), shape (n, 4).
         scales: Along the axes of the copy, shape (n, 3) [m].
-        colors: Red, green, blue, 0…255, shape (n, 3).
+        colors: Red, green, blue, proportional to light, 0…255, shape (n, 3).
     """
 
     mesh: Mesh
@@ -67,8 +67,14 @@ def _copies(kind: str, shapes: list[Shape]) -> Copies:
         positions=np.array([shape.position for shape in shapes]),
         rotations=quats[:, [3, 0, 1, 2]],
         scales=np.array([_edges(shape) for shape in shapes]),
-        colors=np.array([np.round(255 * np.array(shape.color)) for shape in shapes], dtype=np.uint8),
+        colors=np.round(255 * _light(np.array([shape.color for shape in shapes]))).astype(np.uint8),
     )
+
+
+def _light(color: Array) -> Array:
+    """Light of a colour as screens are told it (sRGB), both 0…1: copies of a mesh are coloured by light."""
+    light: Array = np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
+    return light
 
 
 def _edges(shape: Shape) -> tuple[float, float, float]:

@@ -29,7 +29,12 @@ from follower_humanoid.viewer.words import BAD, GOOD, WAITING, figures, state_wo
 _WORDS_EVERY = 0.25  # wall time between two looks at the words [s]
 _PLOTS_EVERY = 0.2
 _HEARTBEAT = 0.3  # wall time between two questions to a page that holds a hand [s]
-_COLORS = {GOOD: "#2b8a3e", WAITING: "#868e96", BAD: "#c92a2a"}
+# In the light and in the dark.
+_COLORS = {GOOD: ("#237032", "#69db7c"), WAITING: ("#5c6770", "#ced4da"), BAD: ("#c92a2a", "#ff8787")}
+_STYLE = "".join(
+    f".state-{mood} {{color: {light}}} [data-mantine-color-scheme=dark] .state-{mood} {{color: {dark}}}"
+    for mood, (light, dark) in _COLORS.items()
+)
 _LEGEND = (("CoM", PCM), ("ZMP", ZMP), ("capture point", DCM), ("force", FORCE))
 
 
@@ -160,8 +165,8 @@ class Page:
             for name, color in _LEGEND
         )
         text = (
-            f'<div role="status" style="padding:.2em .8em .5em;font-size:.86em">'
-            f'<div style="font-weight:600;font-size:1.15em;color:{_COLORS[mood]}">{escape(words)}</div>'
+            f'<style>{_STYLE}</style><div role="status" style="padding:.2em .8em .5em;font-size:.86em">'
+            f'<div class="state-{mood}" style="font-weight:600;font-size:1.15em">{escape(words)}</div>'
             f'<table style="width:100%;border-spacing:0;margin:.3em 0">{cells}</table>'
             f'<div style="font-size:.92em">{dots}</div></div>'
         )

@@ -105,5 +105,8 @@ class Plots:
         table = np.array(self._rows)
         column = 1
         for handle, curves in zip(self._handles, self._plots.values(), strict=True):
-            handle.data = (table[:, 0], *(table[:, column + i] for i in range(len(curves))))
+            wanted = [0, *range(column, column + len(curves))]
             column += len(curves)
+            known = table[np.isfinite(table[:, wanted]).all(axis=1)][:, wanted]
+            if len(known):
+                handle.data = tuple(known.T.copy())

@@ -46,7 +46,9 @@ def _motion(moment: Moment) -> str:
 def figures(moment: Moment) -> list[tuple[str, str]]:
     """Name and value of what is worth a number."""
     margin = 1000.0 * moment.zmp_margin()
-    rows = [("time", f"{moment.time:.2f} s"), ("real-time factor", _number(moment.speed, "{:.2f}"))]
+    rows = [("time", f"{moment.time:.2f} s")]
+    if math.isfinite(moment.speed):
+        rows.append(("real-time factor", f"{moment.speed:.2f}"))
     if "gait" in moment:
         gait = moment["gait"]
         rows.append(("walking speed", f"{gait.walk_speed:.2f} of nominal"))
