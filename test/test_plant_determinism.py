@@ -31,18 +31,25 @@ def motion_hash(ticks=300, companion=False):
     return digest.hexdigest()
 
 
-def test_same_bits_in_another_process():
-    program = "import test_plant_determinism as t; print('hash', t.motion_hash())"
+def hash_elsewhere(ticks, **environment):
+    program = f"import test_plant_determinism as t; print('hash', t.motion_hash({ticks}))"
     found = subprocess.run(
         [sys.executable, "-c", program],
         cwd=Path(__file__).parent,
-        env={**os.environ, "PYTHONHASHSEED": "7"},
+        env={**os.environ, **environment},
         capture_output=True,
         text=True,
         check=True,
     )
-    lines = [line for line in found.stdout.splitlines() if line.startswith("hash ")]
-    assert lines == [f"hash {motion_hash()}"]
+    return [line for line in found.stdout.splitlines() if line.startswith("hash ")]
+
+
+def test_same_bits_in_another_process():
+    assert hash_elsewhere(300, PYTHONHASHSEED="7") == [f"hash {motion_hash(300)}"]
+
+
+def test_compiled_loops_and_plain_python_give_the_same_bits():
+    assert hash_elsewhere(40, NUMBA_DISABLE_JIT="1") == [f"hash {motion_hash(40)}"]
 
 
 def test_a_second_plant_in_the_process_changes_nothing():
