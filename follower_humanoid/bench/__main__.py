@@ -34,6 +34,7 @@ def main(args: list[str] | None = None) -> int:
     parser.add_argument(
         "--tuning", type=Path, metavar="DIR", help="pictures of the three standard tests instead"
     )
+    parser.add_argument("--growth", action="store_true", help="more robots, longer runs: takes hours")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table as JSON")
     options = parser.parse_args(args)
     if options.tuning is not None:
@@ -42,6 +43,8 @@ def main(args: list[str] | None = None) -> int:
         if options.speed:
             _check_writable(options.json)
             return _speed(options.brief, options.json)
+        if options.growth:
+            return _growth(options.brief)
         if options.limits:
             return _limits(options.only)
         known = _scenarios(options.brief)
@@ -87,6 +90,15 @@ def _speed(brief: bool, path: Path | None) -> int:
         numbers = {**speed.as_numbers(costs), "checks": [dataclasses.asdict(check) for check in checks]}
         path.write_text(json.dumps(numbers, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
     return 0 if all(check.passed for check in checks) else 1
+
+
+def _growth(brief: bool) -> int:
+    """Measures growth and prints its table; 0 = every number holds."""
+    from follower_humanoid.bench import growth
+
+    lines, checks = growth.measure(brief, lambda text: print(text, file=sys.stderr, flush=True))
+    print("\n".join(["\ngrowth", *lines, ""]))
+    return 0 if all(check.passed for check in _lines(checks)) else 1
 
 
 def run_graph() -> list[Check]:
