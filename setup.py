@@ -16,6 +16,7 @@ TABLE = runpy.run_path(str(HERE / NAME / "executables.py"))
 HANDOVER = runpy.run_path(str(HERE / NAME / "ros2_front" / "handover.py"))
 
 PYTHON_REQUIREMENTS = [
+    "lz4",
     "matplotlib",
     "mcap",
     "numba>=0.60",

@@ -24,6 +24,7 @@ ROSDEP = {
     "scipy": "python3-scipy",
     "setproctitle": "python3-setproctitle",
     "yaml": "python3-yaml",
+    "lz4": None,
     "mcap": None,
     "pinocchio": None,
     "pybullet": None,
