@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +19,6 @@ from follower_humanoid.bag.reader import read_run
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.record import Run
 from follower_humanoid.resources import node_command
-from follower_humanoid.ros.spin import PARENT
 
 PATIENCE = 120.0  # wall time for anything that takes seconds on a free machine [s]
 _TIME = re.compile(r"^t = ([0-9.]+) s", re.MULTILINE)
@@ -81,16 +80,15 @@ class GraphRun:
 
     def children(self) -> dict[int, str]:
         """Process id → command line of all that it has started, and that is still there."""
-        mark = f"{PARENT}={self.process.pid}".encode()
+        mark = f"follower_humanoid_{self.process.pid}_"  # the folder with their parameters
         found = {}
         for entry in Path("/proc").iterdir():
             try:
-                if entry.name.isdigit() and mark in (entry / "environ").read_bytes().split(b"\0"):
-                    words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
-                    if words:  # a zombie has none
-                        found[int(entry.name)] = words
-            except OSError:  # gone meanwhile, or not ours
+                words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+            except (OSError, UnicodeDecodeError):  # no process, or gone meanwhile
                 continue
+            if entry.name.isdigit() and mark in words:
+                found[int(entry.name)] = words
         return found
 
     def child(self, node: str) -> int:
@@ -132,13 +130,19 @@ class GraphRun:
 
 
 @contextmanager
-def graph_run(*options: str, domain: int | None = None) -> Iterator[GraphRun]:
-    """Starts a bringup with these options and a bag; at the end nothing of it is left."""
+def graph_run(*options: str, domain: int | None = None, prefix: Sequence[str] = ()) -> Iterator[GraphRun]:
+    """Starts a bringup with these options and a bag; at the end nothing of it is left.
+
+    Args:
+        options: Of bringup.
+        domain: ROS domain; an own one by default.
+        prefix: Command that runs it, such as `ip netns exec HOST`.
+    """
     environment = {**os.environ, "ROS_DOMAIN_ID": str(own_domain() if domain is None else domain)}
     with tempfile.TemporaryDirectory(prefix="follower_humanoid_", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         with (folder / "out.txt").open("wb") as out:
-            words = [*node_command("bringup"), "--bag", str(folder / "bag"), *options]
+            words = [*prefix, *node_command("bringup"), "--bag", str(folder / "bag"), *options]
             process = subprocess.Popen(
                 words, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out
             )

@@ -33,6 +33,7 @@ class Options:
         realtime: Not faster than real time.
         namespace: Namespace without a leading slash, empty for none.
         params: Parameter files, later ones win.
+        open: Other machines can reach the graph.
         view: The browser viewer beside it.
         ros_args: What followed `--ros-args`, for every node.
         given: Which of `leader` and `bag` were said; a default gives way to the user's parameters.
@@ -49,6 +50,7 @@ class Options:
     view: bool
     ros_args: tuple[str, ...]
     given: frozenset[str] = frozenset()
+    open: bool = False
 
 
 class _Parser(argparse.ArgumentParser):
@@ -88,6 +90,7 @@ def _parser() -> _Parser:
     add("--realtime", action="store_true", help="not faster than real time")
     add("--namespace", default="", metavar="NS", help="put the robot under a namespace")
     add("--params", action="append", default=[], metavar="FILE", help="ROS 2 parameter file; repeatable")
+    add("--open", action="store_true", help="let other machines reach the graph, see docs/network.md")
     add("--view", action="store_true", help="the browser viewer beside it")
     return parser
 
@@ -118,6 +121,7 @@ def parse(args: Sequence[str]) -> Options:
         namespace=given.namespace.strip("/"),
         params=tuple(Path(path) for path in given.params),
         view=given.view,
+        open=given.open,
         ros_args=tuple(ros_args),
         given=frozenset(name for name in ("leader", "bag") if getattr(given, name) is not None),
     )

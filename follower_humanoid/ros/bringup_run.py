@@ -25,7 +25,7 @@ from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
 from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.spin import StopSignal, start_ros
 from follower_humanoid.ros.status import StatusLine, summary_text
-from follower_humanoid.ros.transport import roomy_transport
+from follower_humanoid.ros.transport import choose_network
 
 COMPOSED = "composed"
 _LONGEST_START = 60.0
@@ -44,15 +44,13 @@ class BringupRun:
         self._line = StatusLine()
         self._folder = Path(tempfile.mkdtemp(prefix=f"follower_humanoid_{os.getpid()}_"))
         self._parameter_file = self._folder / "parameters.yaml"
-        self._crew = Crew(roomy_transport(self._folder))
+        self._crew = Crew({})
         self._director: Director
         self._active_since = math.inf  # from then on a sign of life is due
 
     def run(self) -> int:
         """Runs to the end; returns the exit status."""
-        # Only this machine's own graph, unless the user has said otherwise.
-        if not any(name in os.environ for name in ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")):
-            os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        choose_network(self._plan.options.open)
         arguments = self._ros_arguments()
         try:
             import_components()

@@ -26,6 +26,7 @@ from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, ManagedNode
 from follower_humanoid.ros.quiet import quiet_stderr
+from follower_humanoid.ros.transport import asked_to_be_open, choose_network
 
 PARENT = "FOLLOWER_HUMANOID_PARENT"
 _PR_SET_PDEATHSIG = 1
@@ -108,6 +109,7 @@ def start_ros(args: list[str] | None) -> None:
     Raises:
         ConfigurationError: What follows `--ros-args` cannot be used.
     """
+    choose_network(asked_to_be_open())
     try:
         with quiet_stderr():
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)

@@ -1,54 +1,40 @@
-"""How Fast DDS carries messages between the processes of a run.
+"""Which network the graph uses: by default nobody but this machine can reach it.
 
-Its shared memory holds 512 messages per process by default: 16 ticks of the whole graph. A
-recorder that the system lets wait for longer would lose messages, since the repair of a reliable
-topic comes with a writer's next heartbeat, by default after 3 s. Here there is room for some hundred
-ticks, and a lost message holds the lock-step up for a moment only.
+`ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST` limits who is looked for, but Fast DDS still listens on every
+interface. The profile binds to the loopback interface; the variable, set on top of it, would undo that.
+Participants of this machine match all the same, whatever their range.
 """
 
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
-_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
-_SEGMENT = 4 * 2**20  # bytes per process, taken as they are used
-_MESSAGES = 16384
-_HEARTBEAT = 200_000_000  # ns
+from follower_humanoid.resources import share_path
 
-_PROFILE = f"""<?xml version="1.0" encoding="UTF-8"?>
-<dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles>
-  <transport_descriptors>
-    <transport_descriptor>
-      <transport_id>shared_memory</transport_id><type>SHM</type>
-      <segment_size>{_SEGMENT}</segment_size><port_queue_capacity>{_MESSAGES}</port_queue_capacity>
-    </transport_descriptor>
-    <transport_descriptor><transport_id>udp</transport_id><type>UDPv4</type></transport_descriptor>
-  </transport_descriptors>
-  <participant profile_name="follower_humanoid" is_default_profile="true"><rtps>
-    <userTransports>
-      <transport_id>shared_memory</transport_id><transport_id>udp</transport_id>
-    </userTransports>
-    <useBuiltinTransports>false</useBuiltinTransports>
-  </rtps></participant>
-  <data_writer profile_name="follower_humanoid_writer" is_default_profile="true"><times>
-    <heartbeatPeriod><sec>0</sec><nanosec>{_HEARTBEAT}</nanosec></heartbeatPeriod>
-  </times></data_writer>
-</profiles></dds>
-"""
+_PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+_SUBNET = "SUBNET"
 
 
-def roomy_transport(folder: Path) -> dict[str, str]:
-    """Writes the profile, unless the user has a profile of their own.
+def choose_network(open_to_others: bool) -> None:
+    """Sets the environment of this process and of those that it starts.
+
+    A Fast DDS profile of the user's own stays as it is.
 
     Args:
-        folder: Where the file may lie as long as processes start.
-
-    Returns:
-        What to add to the environment of the processes.
+        open_to_others: True where other machines shall reach the graph.
     """
-    if any(name in os.environ for name in _VARIABLES):
-        return {}
-    path = folder / "transport.xml"
-    path.write_text(_PROFILE, encoding="utf-8")
-    return dict.fromkeys(_VARIABLES, str(path))
+    if any(name in os.environ for name in _PROFILES):
+        return
+    profile = share_path(f"config/network/{'open' if open_to_others else 'loopback'}.xml")
+    os.environ.update(dict.fromkeys(_PROFILES, str(profile)))
+    if open_to_others:
+        os.environ[_RANGE] = _SUBNET
+    else:
+        for name in (_RANGE, "ROS_LOCALHOST_ONLY"):
+            os.environ.pop(name, None)
+
+
+def asked_to_be_open() -> bool:
+    """Whether the environment says so, for a node that is started alone."""
+    return os.environ.get(_RANGE) == _SUBNET
