@@ -7,8 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pybullet
 
+from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.plant.bullet_robot import BulletRobot
 
@@ -33,11 +35,13 @@ class Tape:
 
     Attributes:
         ticks: Control ticks on it.
+        state: Configuration at the end of the last playing, shape (52,).
     """
 
     def __init__(self, leader: str, ticks: int, tick: float) -> None:
         """Records. Args: force programme, length, and control tick [s]."""
         self.ticks = ticks
+        self.state: Array = np.zeros(0)
         self._leader, self._tick = leader, tick
         self._steps: list[list[Call]] = [[]]
         chain = self._chain()
@@ -85,6 +89,8 @@ class Tape:
                 pybullet.getLinkState(
                     bullet.body, 0, computeForwardKinematics=True, physicsClientId=plant.world.client
                 )
+            bullet.read()
+            self.state = bullet.q.copy()
         finally:
             chain.close()
         return Cost(wall / self.ticks, cpu / self.ticks)

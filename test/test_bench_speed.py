@@ -1,0 +1,69 @@
+"""The measuring of speed: bare physics walks the same walk, shares and courses are worked out rightly."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from follower_humanoid.bench.growth import Course, _walk
+from follower_humanoid.bench.placement import Placed, memory_of_children
+from follower_humanoid.bench.speed import messaging_share
+from follower_humanoid.bench.tape import Tape
+from follower_humanoid.core.yaml_file import read_yaml
+from follower_humanoid.graph.simulate import Chain
+
+
+def test_the_tape_walks_the_same_walk():
+    ticks = 25
+    chain = Chain({"leader": {"programme": "fig4"}}, 0.002)
+    for _ in range(ticks):
+        chain.advance()
+    walked = chain.simulator.plant.q.copy()
+    chain.close()
+    tape = Tape("fig4", ticks, 0.002)
+    cost = tape.play()
+    assert 0.0 < cost.cpu < 0.1
+    np.testing.assert_array_equal(tape.state, walked)
+
+
+def placed(**cpu):
+    return Placed(wall=1.0, cpu=cpu, start_up=1.0, memory={}, values={})
+
+
+def test_messaging_is_what_the_components_do_not_use():
+    runs = [placed(simulator=3.0, leg_controller=1.0), placed(simulator=3.5, leg_controller=1.5)]
+    nodes = {"simulator": [1.0, 1.5, 2.0], "leg_controller": [0.75]}
+    assert messaging_share(runs, nodes) == pytest.approx(1.0 - 2.25 / 4.5)
+
+
+def test_memory_is_told_of_the_processes_that_one_has_started():
+    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    try:
+        assert memory_of_children(os.getpid())["-c"] > 0
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_a_course_knows_its_pace_and_its_memory():
+    course = Course()
+    for second in range(101):
+        course.simulated.append(float(second))
+        course.wall.append(2.0 * second if second <= 50 else 100.0 + 4.0 * (second - 50))
+        course.memory.append(100 if second < 60 else 110)
+    assert course.pace(0.0, 0.5) == pytest.approx(2.0)
+    assert course.pace(0.5, 1.0) == pytest.approx(4.0)
+    assert course.memory_since(10.0) == pytest.approx(1.1)
+    assert course.memory_since(60.0) == pytest.approx(1.0)
+
+
+def test_the_programme_pulls_to_the_end(tmp_path):
+    file = tmp_path / "walk.yaml"
+    file.write_text(_walk(65.0))
+    times = [line["until"] for line in read_yaml(file)]
+    assert times == sorted(times)
+    assert times[-1] >= 65.0
