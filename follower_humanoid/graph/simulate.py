@@ -4,18 +4,45 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from follower_humanoid.core.config import build
 from follower_humanoid.graph.record import Adjusted, Run, RunRecorder
-from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, NodeWiring, nodes_with, used_tick
+from follower_humanoid.graph.wiring import (
+    NODES,
+    PRODUCER,
+    SIMULATOR,
+    NodeWiring,
+    is_same_tick,
+    last_period,
+    nodes_with,
+)
 from follower_humanoid.robot.model import RobotModel
 
 TICK = 0.002
 Parameters = Mapping[str, Mapping[str, Any]]
 Interference = Callable[[str, int, Any], Any]
+
+
+class _Wires:
+    """What flows to and from a node, looked up once.
+
+    Attributes:
+        inputs: The component's class of inputs.
+        sources: Of each input its name, the samples of its topic by tick, and the period of who makes them;
+            0 if what comes at a tick is used at that tick.
+        outputs: Of each output its name, its topic and the samples of that topic by tick.
+    """
+
+    def __init__(self, node: NodeWiring, flow: Mapping[str, dict[int, Any]]) -> None:
+        """`flow`: topic → tick → sample."""
+        self.inputs = node.component_class().Inputs
+        self.sources = [
+            (name, flow[topic], 0 if is_same_tick(topic) else PRODUCER[topic].period)
+            for name, topic in node.inputs.items()
+        ]
+        self.outputs = [(name, topic, flow[topic]) for name, topic in node.outputs.items()]
 
 
 class Chain:
@@ -49,13 +76,14 @@ class Chain:
         self.components = {node.name: self._make(node) for node in self.nodes}
         self.simulator = self.components[SIMULATOR]
         self._flow: dict[str, dict[int, Any]] = {topic: {} for topic in PRODUCER}
+        self._wires = {node.name: _Wires(node, self._flow) for node in self.nodes}
         self.recorder = RunRecorder(tick, self.robot.joint_names, self.robot.urdf)
         self.tick = 0
 
     def advance(self) -> None:
         """One control tick: state, references, commands, physics."""
         tick, time = self.tick, self.tick * self.tick_length
-        simulator = next(node for node in self.nodes if node.name == SIMULATOR)
+        simulator = NODES[SIMULATOR]
         self._publish(simulator, self.simulator.observe())
         for node in self.nodes:
             if node.name != SIMULATOR and tick % node.period == 0:
@@ -88,22 +116,23 @@ class Chain:
         return node.make(config, self.robot, self.tick_length)
 
     def _inputs(self, node: NodeWiring) -> Any:
+        wires = self._wires[node.name]
         values = {
-            name: self._flow[topic].get(used_tick(self.tick, topic)) for name, topic in node.inputs.items()
+            name: samples.get(last_period(self.tick, period) if period else self.tick)
+            for name, samples, period in wires.sources
         }
-        return node.component_class().Inputs(**values)
+        return wires.inputs(**values)
 
     def _publish(self, node: NodeWiring, outputs: Any) -> None:
-        for field in fields(outputs):
-            sample = getattr(outputs, field.name)
-            topic = node.outputs[field.name]
+        no_longer_used = self.tick - 2 * node.period
+        for name, topic, samples in self._wires[node.name].outputs:
+            sample = getattr(outputs, name)
             if self._interference is not None:
                 sample = self._interference(topic, self.tick, sample)
             if sample is None:
                 continue
-            flow = self._flow[topic]
-            flow[self.tick] = sample
-            flow.pop(self.tick - 2 * node.period, None)  # no longer used by any tick
+            samples[self.tick] = sample
+            samples.pop(no_longer_used, None)
             self.recorder.add(topic, self.tick, sample)
 
 
