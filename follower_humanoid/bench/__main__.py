@@ -169,13 +169,15 @@ def _faults(brief: bool) -> Runs:
 
 def _disturbances() -> Runs:
     """Name → what disturbs the robot, in the order of the table."""
-    from follower_humanoid.bench.disturbances import ROWS
+    from follower_humanoid.bench import disturbances, laws
+
+    rows = {**disturbances.ROWS, **laws.ROWS}
 
     def tried(name: str) -> list[Check]:
         print(f"\n{name}", flush=True)
-        return _lines(ROWS[name]())
+        return _lines(rows[name]())
 
-    return {name: functools.partial(tried, name) for name in ROWS}
+    return {name: functools.partial(tried, name) for name in rows}
 
 
 def _limits(names: list[str]) -> int:
