@@ -21,6 +21,7 @@ from follower_humanoid.robot.model import RobotModel
 
 HEEL_TOE, EDGES = (-0.06, 0.14), (-0.045, 0.045)  # what a sole can use, from its origin [m]
 HELD = 0.02  # a DCM this far inside the feet can be held by the ZMP [m]
+NEAR = 0.9  # part of the tolerance within which the horizon of the preview makes no difference
 RECOVERED = 0.5  # recovery ends when the DCM error is below this part of what began it
 
 
@@ -70,7 +71,8 @@ class ReferenceMotion:
         dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, horizon)
         if dcm is not None and config.capture.enabled:
             self._recover(dcm, dcm_plan - omega * momentum)
-            self._catch(dcm + omega * momentum, plan, omega)
+            if not self._as_planned(dcm + omega * momentum - dcm_plan):
+                self._catch(dcm + omega * momentum, plan, omega)
         double = walker.swinging is None
         rate, reach = config.dcm_convergence, config.zmp_reach_double if double else config.zmp_reach
         if self.walker.recovering:
@@ -91,6 +93,11 @@ class ReferenceMotion:
             self.walker.recovering = False
         if self.walker.recovering:
             self.pendulum.take_over(dcm)
+
+    def _as_planned(self, error: Array) -> bool:
+        """Whether nothing is moved and the DCM is so near its plan that `capture` would leave it at that."""
+        untouched = self.steady and self.walker.untouched
+        return untouched and math.hypot(error[0], error[1]) < NEAR * self._config.capture.tolerance
 
     def _catch(self, dcm: Array, plan: Plan, omega: float) -> None:
         """Place and time of the present landing; before it, whether the foot may lift off."""

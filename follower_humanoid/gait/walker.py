@@ -121,6 +121,13 @@ class Walker:
         half.waited += dt
         return half.waited < self._config.patience * self._duration()
 
+    @property
+    def untouched(self) -> bool:
+        """Whether the present half-step goes where and as fast as the walking parameters say."""
+        half = self.half_step
+        paces = half is None or half.pace == half.transfer_pace == 1.0
+        return paces and not self.shift.any()
+
     def outlook(self, plan: Plan) -> SwingOutlook | None:
         """The swing that runs or comes next, as fast as the walking parameters say; None: nothing to move."""
         half = self.half_step

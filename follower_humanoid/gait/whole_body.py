@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -131,11 +132,16 @@ def _about_z(yaw: float) -> Array:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+@lru_cache(maxsize=4)
+def _standing(foot: FootPose) -> FootTask:
+    """A foot that stays where it is."""
+    return FootTask(np.array([foot.x, foot.y, foot.z]), _about_z(foot.yaw), np.zeros(3), np.zeros(3))
+
+
 def _foot_task(walker: Walker, side: Side) -> FootTask:
     """Sole motion: still on the ground, or as the channels of the swing foot say."""
     if walker.swinging is not side or walker.half_step is None:
-        foot = walker.feet[side]
-        return FootTask(np.array([foot.x, foot.y, foot.z]), _about_z(foot.yaw), np.zeros(3), np.zeros(3))
+        return _standing(walker.feet[side])
     swing = walker.half_step.swing
     yaw, pitch = swing.attitude.position.tolist()
     yaw_rate, pitch_rate = swing.attitude.velocity.tolist()
