@@ -78,6 +78,7 @@ class Browser:
             options.add_argument(flag)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver: Any = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+        self.driver.set_script_timeout(120)  # a busy machine draws a picture in seconds
 
     def open(self, address: str) -> None:
         """Loads a viewer's page; returns once the robot is there."""

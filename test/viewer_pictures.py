@@ -22,7 +22,7 @@ QUICK = """
 motion_composition:
   ros__parameters: {walker.half_step_time: 0.7, footsteps.half_step_length: 0.3}
 viewer:
-  ros__parameters: {port: 0}
+  ros__parameters: {port: 0, rate: 8.0}
 """
 _STEPS = 4
 _FADE = 8.0  # the scene appears slowly where there is no graphics card [s]

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import base64
-import json
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from follower_humanoid.pictures.player import SCRIPT
-from follower_humanoid.pictures.scene import scene
+from follower_humanoid.pictures.animation import animation
+from follower_humanoid.pictures.palette import HAND_FORCE_SCALE
 from follower_humanoid.pictures.style import View
 from follower_humanoid.pictures.table import rows_of
 
@@ -17,14 +16,11 @@ _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 60rem; margin: 2rem auto; }
 h1 { font-size: 1.5rem; }
 h2 { font-size: 1.15rem; margin-top: 2rem; }
-img, canvas { max-width: 100%; }
-canvas { background: #f6f7f8; touch-action: none; cursor: grab; display: block; }
+img { max-width: 100%; }
+iframe { width: 100%; height: min(36rem, 80vh); border: 1px solid #ddd; }
 table { border-collapse: collapse; font-size: 0.9rem; }
 th, td { padding: 0.15rem 0.8rem; border-bottom: 1px solid #ddd; text-align: right; }
 pre { background: #f6f7f8; padding: 0.8rem; overflow: auto; max-height: 30rem; font-size: 0.8rem; }
-.controls { display: flex; gap: 0.8rem; align-items: center; margin: 0.5rem 0; }
-#player input { flex: 1; }
-output { font-variant-numeric: tabular-nums; min-width: 5rem; }
 .note { color: #a33; }
 """
 
@@ -63,23 +59,14 @@ def write_page(
 
 
 def _player(compared: Sequence[View]) -> str:
-    # A closing tag within the data would end the script.
-    data = json.dumps([scene(view) for view in compared], separators=(",", ":")).replace("<", "\\u003c")
-    chooser = ""
-    if len(compared) > 1:
-        options = (f'<option value="{i}">{escape(view.label)}</option>' for i, view in enumerate(compared))
-        chooser = f'<select class="run" aria-label="run">{"".join(options)}</select>'
-    speeds = "".join(
-        f'<option value="{speed}"{" selected" if speed == 1 else ""}>{speed}×</option>'
-        for speed in (0.1, 0.25, 0.5, 1, 2, 4)
+    """The runs in 3D, each a page within the page."""
+    frames = (
+        f'<iframe title="{escape(view.label)} in 3D" srcdoc="{escape(animation(view), quote=True)}"></iframe>'
+        for view in compared
     )
-    return (
-        '<div id="player"><canvas width="960" height="560"></canvas><div class="controls">'
-        '<button type="button">Play</button><input type="range" min="0" value="0" step="1" aria-label="time">'
-        f'<output></output><select class="speed" aria-label="speed">{speeds}</select>{chooser}</div>'
-        "<p>Drag to turn, scroll to come nearer. Green: projection of the centre of mass; red: ZMP; "
-        "yellow: force on the hand, 5 cm for 1 N.</p></div>"
-        f'<script type="application/json" id="runs">{data}</script><script>{SCRIPT}</script>'
+    return "".join(frames) + (
+        "<p>Drag to turn, scroll to come nearer. Green: projection of the centre of mass; red: ZMP; light "
+        f"blue: capture point; yellow: force on the hand, {100 * HAND_FORCE_SCALE:.0f} cm for 1 N.</p>"
     )
 
 

@@ -23,7 +23,7 @@ from follower_humanoid.viewer.moment import Moment, Trail
 from follower_humanoid.viewer.panel import LeadPanel, ViewPanel
 from follower_humanoid.viewer.plots import Plots
 from follower_humanoid.viewer.skeleton import Skeleton
-from follower_humanoid.viewer.stage import Stage
+from follower_humanoid.viewer.stage import Stage, place_camera
 from follower_humanoid.viewer.words import BAD, GOOD, WAITING, figures, state_words
 
 _WORDS_EVERY = 0.25  # wall time between two looks at the words [s]
@@ -146,9 +146,7 @@ class Page:
         server.gui.set_panel_label("Follower")
         server.gui.main_panel.dock_right()
         server.scene.configure_default_lights(cast_shadow=self._config.shadows)
-        server.initial_camera.position = (2.0, -2.3, 1.45)
-        server.initial_camera.look_at = (0.05, 0.0, 0.78)
-        server.initial_camera.fov = 0.72
+        place_camera(server)
 
     def _say(self, moment: Moment) -> None:
         self._write(*state_words(moment), figures(moment) if moment.has_robot else [])
