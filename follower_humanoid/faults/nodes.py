@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
 
 from follower_humanoid.bench.check import Check
 from follower_humanoid.faults.case import Effort, survived
-from follower_humanoid.faults.graph_run import GraphRun, graph_run
+from follower_humanoid.faults.graph_run import PATIENCE, GraphRun, graph_run
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.resources import node_command
 
@@ -34,6 +35,27 @@ def lost_nodes(effort: Effort) -> Iterator[Check]:
     for name in ("leg_controller",) if brief else CONTROLLERS:
         yield _halted_in_real_time(name)
     yield _cycles(effort.count(3, 50))
+
+
+def hostile_neighbour(effort: Effort) -> Iterator[Check]:
+    """Floods a standing and a walking robot with what it cannot use."""
+    for leader in (_STANDING, _WALKING)[: effort.count(1, 2)]:
+        seconds = str(effort.count(3, 60))
+        with graph_run(*leader, "--duration", "20") as run:
+            started = run.reaches(0.2)
+            words = [sys.executable, "-m", "follower_humanoid.faults.neighbour", seconds]
+            done = subprocess.run(
+                words, env=run.environment, capture_output=True, text=True, timeout=PATIENCE, check=False
+            )
+            before = run.time
+            went_on = run.over or run.reaches(before + 0.1)
+            if not run.over:
+                run.end()
+            status, warnings = run.status(), run.said.count("rejected")
+            good = started and went_on and status == 0 and warnings > 0
+            how = "standing" if leader == _STANDING else "walking"
+            observed = f"{done.stdout.strip()}; status {status}, {warnings} warnings"
+        yield survived(f"flood of unusable wrenches, {how}", "goes on, warnings throttled", observed, good)
 
 
 def _end_of(run: GraphRun) -> str:

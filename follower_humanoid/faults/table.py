@@ -8,11 +8,12 @@ from follower_humanoid.faults.files import hostile_files
 from follower_humanoid.faults.limits import beyond_limits
 from follower_humanoid.faults.messages import hostile_messages
 from follower_humanoid.faults.network import network
-from follower_humanoid.faults.nodes import lifecycle, lost_nodes
+from follower_humanoid.faults.nodes import hostile_neighbour, lifecycle, lost_nodes
 from follower_humanoid.faults.soak import soak
 
 FAULTS: tuple[Fault, ...] = (
     Fault("messages", hostile_messages),
+    Fault("neighbour", hostile_neighbour),
     Fault("nodes", lost_nodes),
     Fault("lifecycle", lifecycle),
     Fault("limits", beyond_limits),
