@@ -5,7 +5,6 @@ Everything is a ratio to bare physics, measured in the same run: kinds of run ta
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -14,11 +13,9 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from follower_humanoid.bag.reader import read_run
 from follower_humanoid.bench.check import Check, at_least, at_most
 from follower_humanoid.bench.placement import Listener, Placed
 from follower_humanoid.bench.tape import Cost, Tape
-from follower_humanoid.graph.record import Run
 from follower_humanoid.graph.simulate import TICK, Chain
 
 LEADER = "fig4"
@@ -36,7 +33,7 @@ class Costs:
         nodes: Node → CPU per tick of its component in the ROS-free chain [s].
         placed, recorded: Placement → runs without and with a bag.
         paced: Placement → run in real time.
-        hashes: Where → hash of the joint positions.
+        joint_hash: Of the chain's joint positions.
     """
 
     bare: list[Cost] = field(default_factory=list)
@@ -45,7 +42,7 @@ class Costs:
     placed: dict[str, list[Placed]] = field(default_factory=dict)
     recorded: dict[str, list[Placed]] = field(default_factory=dict)
     paced: dict[str, Placed] = field(default_factory=dict)
-    hashes: dict[str, str] = field(default_factory=dict)
+    joint_hash: str = ""
 
 
 def measure(seconds: float, repeats: int, say: Callable[[str], None]) -> Costs:
@@ -64,9 +61,8 @@ def measure(seconds: float, repeats: int, say: Callable[[str], None]) -> Costs:
             for name, placement in PLACEMENTS.items():
                 placed = listener.run(TICK, *options, "--bag", "none", *placement)
                 costs.placed.setdefault(name, []).append(placed)
-                costs.recorded.setdefault(name, []).append(
-                    _run_recorded(listener, name, costs.hashes, *options, *placement)
-                )
+                recorded = _run_recorded(listener, *options, *placement)
+                costs.recorded.setdefault(name, []).append(recorded)
         say("in real time")
         for name, placement in PLACEMENTS.items():
             costs.paced[name] = listener.run(TICK, *options, "--bag", "none", "--realtime", *placement)
@@ -88,7 +84,8 @@ def _run_chain(ticks: int, costs: Costs) -> Cost:
         for _ in range(ticks):
             chain.advance()
         cost = Cost((time.perf_counter() - wall) / ticks, (time.process_time() - cpu) / ticks)
-        costs.hashes["simulate"] = _hash(chain.finish(), ticks)
+        chain.advance()  # a run of the graph ends with one more state
+        costs.joint_hash = chain.finish().joint_hash()
     finally:
         chain.close()
     for name, seconds in spent.items():
@@ -107,19 +104,9 @@ def _clocked(name: str, call: Callable[..., Any], spent: dict[str, float]) -> Ca
     return clocked
 
 
-def _run_recorded(listener: Listener, name: str, hashes: dict[str, str], *options: str) -> Placed:
+def _run_recorded(listener: Listener, *options: str) -> Placed:
     with tempfile.TemporaryDirectory() as folder:
-        bag = Path(folder) / "bag"
-        placed = listener.run(TICK, *options, "--bag", str(bag))
-        run = read_run(bag)
-        hashes[name] = _hash(
-            run, len(run["joint_states"]) - 1
-        )  # the chain does not keep the state at the end
-    return placed
-
-
-def _hash(run: Run, ticks: int) -> str:
-    return hashlib.sha256(run["joint_states"].position[:ticks].tobytes()).hexdigest()
+        return listener.run(TICK, *options, "--bag", str(Path(folder) / "bag"))
 
 
 def checks(costs: Costs) -> Iterator[Check]:
@@ -135,9 +122,10 @@ def checks(costs: Costs) -> Iterator[Check]:
         yield at_most(f"{name}: start to first tick", start, _LONGEST_START[name], "s")
         late = costs.paced[name].simulator("lateness_p99 [s]")
         yield at_most(f"{name}: lateness of 99 % of ticks in real time", late, _LATENESS, "ms", 1e3)
-    for name in PLACEMENTS:
-        same = costs.hashes[name] == costs.hashes["simulate"]
-        words = "identical" if same else "different"
+    for name, runs in costs.placed.items():
+        every = [*runs, *costs.recorded[name], costs.paced[name]]
+        same = all(run.values["simulator"]["joint_hash"] == costs.joint_hash for run in every)
+        words = f"{len(every)} runs, {'identical' if same else 'different'}"
         yield Check(f"{name}: joint positions and ROS-free chain", "identical bit for bit", words, same)
 
 

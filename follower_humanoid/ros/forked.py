@@ -5,6 +5,7 @@ Nothing of ROS may be running in this process yet: threads do not survive a fork
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import sys
@@ -118,6 +119,5 @@ def _live(
         status = end.code if isinstance(end.code, int) else 1
     except BaseException:  # whatever it is: the user must see it, and this process must not go on
         traceback.print_exc()
-    finally:
-        sys.stderr.flush()
-        os._exit(status)
+    # As at the end of any Python program, and unlike `os._exit`: the middleware gives its shared memory back.
+    ctypes.pythonapi.Py_Exit(status)

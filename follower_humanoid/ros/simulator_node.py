@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import time
 from collections.abc import Mapping
@@ -47,6 +48,7 @@ class SimulatorNode(LockStepNode):
         self._people: dict[str, PeopleWrench] = {}
         self._began = self._stepped = 0.0
         self._tick_times = Durations()
+        self._joint_hash = hashlib.sha256()
         self._speed = (0.0, 0)
         self._pace: Pace | None = None
 
@@ -192,8 +194,9 @@ class SimulatorNode(LockStepNode):
         self._saturated += peak >= self.component.plant.motors.voltage_limit
 
     def _publish_state(self) -> None:
-        tick = self.lock.tick
-        self.publish(self.component.observe(), tick)
+        tick, state = self.lock.tick, self.component.observe()
+        self.publish(state, tick)
+        self._joint_hash.update(state.joints.position.tobytes())
         if self._clock_publisher.get_subscription_count():
             self._clock_publisher.publish(clock_bytes(tick * self.tick_ns))
 
@@ -246,6 +249,7 @@ class SimulatorNode(LockStepNode):
         fall = self.component.fall if self.component is not None else None
         values["peak_voltage [V]"] = self._peak_voltage
         values["saturated_ticks"] = self._saturated
+        values["joint_hash"] = self._joint_hash.hexdigest()  # as of a recorded run
         values["fallen"] = fall is not None
         if fall is not None:
             values["error"] = f"fell at {fall.time:.3f} s: {fall.reason}"

@@ -143,7 +143,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
             if bus is None:
                 executor.spin_until_future_complete(stop.over, timeout_sec=_WAIT)
             else:
-                _share_time(executor, bus)
+                _share_time(executor, bus, stop)
             ended = next((node for node in nodes if node.exit_status is not None), None)
         _wind_down(executor, nodes, bus)
         for node in nodes:
@@ -163,11 +163,11 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
     return last.exit_status
 
 
-def _share_time(executor: Any, bus: Bus) -> None:
+def _share_time(executor: Any, bus: Bus, stop: StopSignal) -> None:
     """Turns between the nodes' steps and what arrives from outside: messages, services, timers."""
     if bus.work(_TURN):
         executor.spin_until_future_complete(Future(), timeout_sec=0.0)
-    else:
+    elif not stop.over.done():
         executor.spin_until_future_complete(bus.called, timeout_sec=_WAIT)
 
 
