@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rclpy
-from bag_messages import imu, joint_positions, joint_state, odometry, point, wrench
+from bag_messages import TICK_NS, imu, joint_positions, joint_state, odometry, point, wrench
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, WrenchStamped
 from nav_msgs.msg import Odometry
@@ -23,8 +23,11 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import Imu, JointState
+from std_msgs.msg import UInt8MultiArray
 
 from follower_humanoid.bag.reader import read_run
+from follower_humanoid.graph.wiring import NODES
+from follower_humanoid.ros.envelope import Envelope, envelope_topic
 from follower_humanoid.ros.qos import PEOPLE
 
 MESSAGES: dict[str, tuple[type, Any]] = {
@@ -204,3 +207,36 @@ def test_a_full_disk_ends_the_recording_and_says_so(graph: Graph, tmp_path: Path
     run = read_run(tmp_path / "full")
     assert len(run["joint_states"]) > 200
     assert any("cut off" in note for note in run.notes)
+
+
+def test_what_comes_in_envelopes_is_in_the_bag_once_and_strangers_are_heard_by_name(tmp_path: Path) -> None:
+    """The simulator sends envelopes, and its topics by name to others; the CoM comes from a stranger."""
+    graph = Graph()
+    envelope = Envelope(NODES["simulator"])
+    sealed = graph.node.create_publisher(UInt8MultiArray, envelope_topic("simulator"), DEEP)
+    made = {name: MESSAGES[name][1] for name in MESSAGES if name in envelope.topics}
+    try:
+        recorder = start_recorder(tmp_path / "run")
+        deadline = time.monotonic() + PATIENCE
+        while not (sealed.get_subscription_count() and graph.publishers["com"].get_subscription_count()):
+            assert time.monotonic() < deadline, "the recorder was not found"
+            time.sleep(0.02)
+        for tick in range(200):
+            parts = [made[topic](tick) if topic in made else b"" for topic in envelope.topics]
+            sealed.publish(envelope.seal(tick * TICK_NS, parts))
+            for name, (_, make) in MESSAGES.items():
+                graph.publishers[name].publish(make(tick))
+            time.sleep(0.002)
+        sealed.publish(b"\0\1\0\0 no envelope")
+        graph.wait_until_written(4 * 200 + 40 + 40)
+        assert end(recorder, signal.SIGTERM) == 0
+    finally:
+        graph.close()
+    run = read_run(tmp_path / "run")
+    for name in ("joint_states", "odom", "imu", "left_foot/wrench"):
+        assert run[name].ticks.tolist() == list(range(200)), name
+    np.testing.assert_array_equal(run["joint_states"].position[123], joint_positions(123))
+    with AnyReader([tmp_path / "run"]) as reader:
+        count = {connection.topic: connection.msgcount for connection in reader.connections}
+    assert count["/joint_states"] == count["/odom"] == count["/left_foot/wrench"] == 200
+    assert count["/com"] == count["/clock"] == 40

@@ -81,12 +81,15 @@ class Outlet:
         ways = {reader: list(publishers) for reader, publishers in more_ways.items()}
         for topic, publisher in self._public.items():
             readers = expected_readers(topic, node.present)
-            barrier.watch(publisher, readers if topic in PEOPLE else readers & {RECORDER})
             if topic in PEOPLE:  # by name the simulator always listens, and there as to anybody
+                barrier.watch(publisher, readers)
                 ways.update({reader: [] for reader in readers - {RECORDER}})
-            elif topic not in apart:
-                for reader in readers - {RECORDER}:  # one that takes this node for a stranger goes by names
-                    ways.setdefault(reader, [self._absent]).append(publisher)
+            elif topic in apart:
+                barrier.watch(publisher, readers & {RECORDER})
+            else:  # one that takes this node for a stranger goes by names
+                for reader in readers:
+                    needed = [] if reader == RECORDER else [self._absent]
+                    ways.setdefault(reader, needed).append(publisher)
         barrier.watch(self._absent, ())
         table = nodes_with(node.present)
         others = {reader: p for reader, p in ways.items() if not node.shares_process(reader)}

@@ -1,39 +1,22 @@
-"""The node that writes the run into a bag.
-
-Its subscriptions are not spun: a timer empties their queues. That costs less than callbacks, and
-a message then brings the times at which it was sent and received.
-"""
+"""The node that writes the run into a bag: a timer empties the queues of what it listens to."""
 
 from __future__ import annotations
 
-import importlib
 import time
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-
 from follower_humanoid.bag.about import about_run, texts_in
-from follower_humanoid.bag.qos import offered_qos
-from follower_humanoid.bag.recorder import (
-    STATE,
-    Arrival,
-    Recorded,
-    RecorderConfig,
-    Recording,
-    recorded_topics,
-)
+from follower_humanoid.bag.recorder import RecorderConfig, Recording
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.graph.graph_config import RECORDER
-from follower_humanoid.graph.wiring import PRODUCER
 from follower_humanoid.ros.barrier import Announcer
 from follower_humanoid.ros.managed_node import FAILED, ManagedNode
 from follower_humanoid.ros.parameters import declare
+from follower_humanoid.ros.recorder_taps import RecorderTaps
 
-# Four seconds of the fastest topic: a disk may hesitate that long.
-_DEPTH = 2000
 _LATE = 0.1  # wall time without a message after which nothing more is expected at the end [s]
 _LONGEST_END = 1.0
 _MATCH_POLL = 0.05
@@ -43,7 +26,7 @@ _GONE = 2.0  # wall time without the simulator after which the run is over [s]
 class RecorderNode(ManagedNode):
     """Takes every topic of the graph and keeps what the bag needs."""
 
-    _taps: tuple[tuple[Recorded, Any], ...] = ()
+    _taps: RecorderTaps | None = None
 
     def __init__(self, **options: Any) -> None:
         """Declares the parameters.
@@ -66,7 +49,7 @@ class RecorderNode(ManagedNode):
     @property
     def subscriptions(self) -> Iterator[Any]:
         """What an executor has to look after: not the taps."""
-        taps = {subscription for _, subscription in self._taps}
+        taps = set(self._taps.subscriptions) if self._taps is not None else set()
         return (s for s in super().subscriptions if s not in taps)
 
     def set_up(self) -> None:
@@ -74,10 +57,11 @@ class RecorderNode(ManagedNode):
         folder = Path(self.config.bag or datetime.now().strftime("bags/%Y-%m-%d-%H-%M-%S"))
         about = about_run(self.graph.urdf, texts_in(self.config.about), self.graph.tick)
         self._writer = BagWriter(folder, about, time.time_ns())
+        self._taps = RecorderTaps(self)
         self._recording = Recording(
-            self._writer, self.config.rate, self.tick_ns, self._announce, about.urdf
+            self._writer, self.config.rate, self.tick_ns, self._taps.announce, about.urdf
         )
-        self._taps = tuple((topic, self._listen(topic)) for topic in recorded_topics())
+        self._taps.open()
 
     def start(self) -> None:
         """Begins to empty the queues."""
@@ -93,9 +77,8 @@ class RecorderNode(ManagedNode):
         """Closes the bag."""
         self._visit()
         self._close()
-        taps, self._taps = self._taps, ()
-        for _, subscription in taps:
-            self.destroy_subscription(subscription)
+        if self._taps is not None:
+            self._taps.close()
 
     def finish(self) -> None:
         """Waits for messages on their way and closes the bag."""
@@ -127,60 +110,33 @@ class RecorderNode(ManagedNode):
             values["warning"] = f"{missing} joint states did not arrive"
         return values
 
-    def _listen(self, topic: Recorded) -> Any:
-        # Reliable for what our own nodes send; best effort hears every publisher.
-        reliable = topic.lockstepped
-        policy = ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
-        qos = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=policy)
-        package, _, name = topic.type_name.partition("/msg/")
-        message_type = getattr(importlib.import_module(f"{package}.msg"), name)
-        return self.create_subscription(message_type, topic.name, lambda _: None, qos, raw=True)
-
     def _visit(self) -> int:
         """Takes in all that has arrived; returns how many messages were kept."""
         recording = self._recording
-        if recording is None or self._writer is None:
+        if recording is None or self._taps is None or self._writer is None:
             return 0
         try:
-            for topic, subscription in self._taps:
-                self._empty(recording, topic, subscription)
+            self._taps.take(recording)
             return recording.flush()
         except Exception as error:  # whatever it is: what was written so far must be kept and the user told
             self._give_up(error)
             return 0
 
-    @staticmethod
-    def _empty(recording: Recording, topic: Recorded, subscription: Any) -> None:
-        handle, message_type = subscription.handle, subscription.msg_type
-        with handle:
-            while (taken := handle.take_message(message_type, True)) is not None:
-                data, info = taken
-                received, published = info["received_timestamp"], info["source_timestamp"]
-                recording.take(Arrival(topic, data, received, published))
-
-    def _announce(self, topic: Recorded) -> tuple[str, list[dict[str, Any]]]:
-        subscription = next(tap for known, tap in self._taps if known is topic)
-        name = str(subscription.topic_name)
-        profiles = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
-        offered = [offered_qos(p.reliability.name.lower(), p.durability.name.lower()) for p in profiles]
-        return name, offered or [offered_qos()]
-
     def _look_for_publishers(self) -> None:
         """Announces the recorder once it hears everyone: a publisher may find its readers first."""
-        awaited = (
-            tap
-            for topic, tap in self._taps
-            if topic.name in PRODUCER and PRODUCER[topic.name].name in self.present
-        )
-        if all(tap.get_publisher_count() for tap in awaited):
+        if self._taps is None:
+            return
+        self._taps.look_for_strangers()
+        if self._taps.hears_everyone():
             self._matching.cancel()
             self._announcer.announce()
 
     def _look_for_simulator(self) -> None:
         """Ends the node when there have been states and nobody is left to send any."""
-        begun = self._recording is not None and self._recording.latest_stamp is not None
-        state = next((tap for topic, tap in self._taps if topic.name == STATE), None)
-        if not begun or state is None or state.get_publisher_count():
+        if self._taps is None or self._recording is None:
+            return
+        self._taps.look_for_strangers()
+        if self._recording.latest_stamp is None or self._taps.has_simulator():
             self._alone_since = None
         elif self._alone_since is None:
             self._alone_since = time.monotonic()

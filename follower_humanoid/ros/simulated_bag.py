@@ -52,7 +52,7 @@ class SimulatedBag(RunRecorder):
         self._topics = {topic.name: topic for topic in recorded_topics()}
         self._codecs: dict[str, Codec] = {}
         self._tick_ns = round(run.tick * NANOSECONDS)
-        self._recording = Recording(self._writer, _RATE, self._tick_ns, self._announce)
+        self._recording = Recording(self._writer, _RATE, self._tick_ns, self._announce, run.urdf)
 
     def add(self, topic: str, tick: int, sample: Sample) -> None:
         """Writes one sample, and the clock with every state."""

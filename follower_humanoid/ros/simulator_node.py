@@ -12,7 +12,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
-from follower_humanoid.graph.graph_config import LEADER, RECORDER, RunConfig
+from follower_humanoid.graph.graph_config import LEADER, RunConfig
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.pace import Durations, Pace
 from follower_humanoid.graph.run_end import RunEnd
@@ -71,7 +71,6 @@ class SimulatorNode(LockStepNode):
         self._describer.publish(String(data=robot.urdf))
         self._end = RunEnd(self.run, robot)
         if self._barrier is not None and not again:
-            self._barrier.watch(self._clock_publisher, {RECORDER} & self.present)
             self._reset_publisher = self.make_publisher(Header, RESET)
             self._barrier.watch(self._reset_publisher, self._roll_call.others)
         self._people = {topic: self._person(topic) for topic in sorted(PEOPLE_TOPICS)}
@@ -89,9 +88,8 @@ class SimulatorNode(LockStepNode):
         return person
 
     def readers_of_more(self) -> dict[str, list[Any]]:
-        """Whom the clock paces."""
-        paced = expected_readers(CLOCK, self.present) - {RECORDER}
-        return {name: [self._clock_publisher] for name in paced}
+        """Whom the clock paces, and who records it."""
+        return {name: [self._clock_publisher] for name in expected_readers(CLOCK, self.present)}
 
     def still_waiting_for(self) -> list[str]:
         """Nodes that have not announced themselves."""

@@ -1,0 +1,177 @@
+"""What the recorder listens to: the envelopes of the graph's nodes, everything else by its name.
+
+The subscriptions are not spun: their queues are emptied on a visit. That costs less than callbacks, and
+a message then brings the times at which it was sent and received.
+"""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from follower_humanoid.bag.qos import offered_qos
+from follower_humanoid.bag.recorder import STATE, Arrival, Recorded, Recording, recorded_topics
+from follower_humanoid.graph.lockstep import CLOCK
+from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
+from follower_humanoid.ros.codecs import clock_bytes
+from follower_humanoid.ros.envelope import Envelope, envelope_topic
+from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.validation import MessageError
+
+if TYPE_CHECKING:
+    from follower_humanoid.ros.recorder_node import RecorderNode
+
+# Four seconds of the fastest topic: a disk may hesitate that long.
+_DEPTH = 2000
+_ENVELOPE = "std_msgs/msg/UInt8MultiArray"
+# A node of this package has an envelope; whoever publishes without one for longer is a stranger [s].
+_STRANGE_AFTER = 1.0
+
+
+@dataclass
+class _EnvelopeTap:
+    """The envelopes of one node.
+
+    Attributes:
+        envelope: Opens them.
+        parts: What each message in it is; None where it is not taken from here.
+        clock: The clock, which the simulator's envelopes stand for.
+        subscription: Where they come in.
+        strange_since: When topics of the node were first seen without its envelope.
+    """
+
+    envelope: Envelope
+    parts: tuple[Recorded | None, ...]
+    clock: Recorded | None
+    subscription: Any
+    strange_since: float | None = field(default=None)
+
+    @property
+    def topics(self) -> Iterator[Recorded]:
+        """All that comes this way."""
+        yield from (part for part in (*self.parts, self.clock) if part is not None)
+
+
+class RecorderTaps:
+    """The recorder's subscriptions."""
+
+    def __init__(self, node: RecorderNode) -> None:
+        """Args: who listens."""
+        self._node = node
+        self._by_name: dict[str, tuple[Recorded, Any]] = {}
+        self._envelopes: list[_EnvelopeTap] = []
+
+    def open(self) -> None:
+        """Subscribes."""
+        waiting = {topic.name: topic for topic in recorded_topics()}
+        for name, wiring in nodes_with(self._node.present).items():
+            envelope = Envelope(wiring)
+            mine = {topic for topic in envelope.topics if topic not in PEOPLE and not self._is_apart(topic)}
+            if name not in self._node.present or not mine:
+                continue
+            parts = tuple(waiting.pop(topic) if topic in mine else None for topic in envelope.topics)
+            clock = waiting.pop(CLOCK) if name == SIMULATOR and not self._is_apart(CLOCK) else None
+            subscription = self._subscribe(_ENVELOPE, envelope_topic(name), True)
+            self._envelopes.append(_EnvelopeTap(envelope, parts, clock, subscription))
+        for topic in waiting.values():
+            self._listen(topic)
+
+    def close(self) -> None:
+        """Unsubscribes."""
+        for subscription in list(self.subscriptions):
+            self._node.destroy_subscription(subscription)
+        self._by_name.clear()
+        self._envelopes.clear()
+
+    @property
+    def subscriptions(self) -> Iterator[Any]:
+        """All of them, which no executor has to look after."""
+        yield from (subscription for _, subscription in self._by_name.values())
+        yield from (tap.subscription for tap in self._envelopes)
+
+    def take(self, recording: Recording) -> None:
+        """Empties the queues."""
+        for topic, subscription in list(self._by_name.values()):
+            for data, received, published in _queue(subscription):
+                recording.take(Arrival(topic, data, received, published))
+        for tap in self._envelopes:
+            for data, received, published in _queue(tap.subscription):
+                try:
+                    stamp, messages = tap.envelope.open(data)
+                except MessageError as error:
+                    self._node.reject(error)
+                    continue
+                if tap.clock is not None:
+                    recording.take(Arrival(tap.clock, clock_bytes(stamp), received, published))
+                for part, message in zip(tap.parts, messages, strict=True):
+                    if part is not None and message:
+                        recording.take(Arrival(part, message, received, published))
+
+    def hears_everyone(self) -> bool:
+        """Whether every node of the graph has been found, by its envelope or by its topics."""
+        return all(
+            tap.subscription.get_publisher_count() or all(self._publishers(topic) for topic in tap.topics)
+            for tap in self._envelopes
+        )
+
+    def has_simulator(self) -> bool:
+        """Whether anybody is there who sends states."""
+        states = (tap for tap in self._envelopes if any(topic.name == STATE for topic in tap.topics))
+        by_envelope = any(tap.subscription.get_publisher_count() for tap in states)
+        return by_envelope or self._publishers_of(STATE) > 0
+
+    def look_for_strangers(self) -> None:
+        """Listens by name to those who took the place of a node and send no envelopes."""
+        for tap in self._envelopes:
+            published = [topic for topic in tap.topics if self._node.count_publishers(topic.name)]
+            if tap.subscription.get_publisher_count() or not published:
+                tap.strange_since = None
+                continue
+            tap.strange_since = tap.strange_since or time.monotonic()
+            if time.monotonic() - tap.strange_since > _STRANGE_AFTER:
+                for topic in published:
+                    self._listen(topic)
+
+    def announce(self, topic: Recorded) -> tuple[str, list[dict[str, Any]]]:
+        """Full name of a topic, and the QoS that its publishers offer."""
+        name = str(self._node.resolve_topic_name(topic.name))
+        profiles = [info.qos_profile for info in self._node.get_publishers_info_by_topic(name)]
+        offered = [offered_qos(p.reliability.name.lower(), p.durability.name.lower()) for p in profiles]
+        return name, offered or [offered_qos()]
+
+    def _is_apart(self, topic: str) -> bool:
+        name: Any = self._node.resolve_topic_name
+        return topic in self._node.graph.heard_by_topic or name(topic) != name(topic, only_expand=True)
+
+    def _publishers(self, topic: Recorded) -> int:
+        return self._publishers_of(topic.name)
+
+    def _publishers_of(self, name: str) -> int:
+        return int(self._by_name[name][1].get_publisher_count()) if name in self._by_name else 0
+
+    def _listen(self, topic: Recorded) -> None:
+        if topic.name not in self._by_name:
+            # Reliable for what our own nodes send; best effort hears every publisher.
+            subscription = self._subscribe(topic.type_name, topic.name, topic.lockstepped)
+            self._by_name[topic.name] = topic, subscription
+
+    def _subscribe(self, type_name: str, topic: str, reliable: bool) -> Any:
+        policy = ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
+        qos = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=policy)
+        package, _, name = type_name.partition("/msg/")
+        message_type = getattr(importlib.import_module(f"{package}.msg"), name)
+        return self._node.create_subscription(message_type, topic, lambda _: None, qos, raw=True)
+
+
+def _queue(subscription: Any) -> Iterator[tuple[bytes, int, int]]:
+    """What waits there: bytes, and the times of receipt and sending since the epoch [ns]."""
+    handle, message_type = subscription.handle, subscription.msg_type
+    with handle:
+        while (taken := handle.take_message(message_type, True)) is not None:
+            data, info = taken
+            yield data, info["received_timestamp"], info["source_timestamp"]
