@@ -9,11 +9,12 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
 from follower_humanoid.core import samples
+from follower_humanoid.core.cdr import NANOSECONDS, clock_bytes, stamp_of
 from follower_humanoid.core.samples import Side
 from follower_humanoid.core.topics import TOPICS
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.cdr import CdrWriter
-from follower_humanoid.ros.codecs import NANOSECONDS, Codec, clock_bytes, stamp_of
+from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.validation import MessageError
 

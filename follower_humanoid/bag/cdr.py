@@ -13,11 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from follower_humanoid.core.cdr import HEADER, NANOSECONDS, STAMP_SIZE, padding, stamp_of
 from follower_humanoid.core.samples import Array
-
-_ENCAPSULATION = 4
-_STAMP_BYTES = 8
-NANOSECONDS = 1_000_000_000
 
 
 class CdrError(Exception):
@@ -35,11 +32,11 @@ class Cursor:
 
     def __init__(self, data: bytes) -> None:
         """Raises: CdrError: Not plain CDR."""
-        if len(data) < _ENCAPSULATION or data[0] != 0 or data[1] not in (0, 1):
+        if len(data) < len(HEADER) or data[0] != 0 or data[1] not in (0, 1):
             raise CdrError("no plain CDR")
         self._data = data
         self._order = "<" if data[1] == 1 else ">"
-        self.position = _ENCAPSULATION
+        self.position = len(HEADER)
         self.fixed: list[tuple[int, int]] = [(0, 2)]
         self.numbers: dict[str, tuple[int, int]] = {}
         self.stamps: list[int] = []
@@ -51,7 +48,7 @@ class Cursor:
 
     def align(self, size: int) -> None:
         """Skips to the next multiple of `size`, counted from behind the encapsulation header."""
-        self.position += -(self.position - _ENCAPSULATION) % size
+        self.position += padding(self.position, size)
 
     def skip(self, count: int, size: int = 1) -> None:
         """Passes over `count` values of `size` bytes."""
@@ -115,10 +112,9 @@ class Cursor:
     def stamp(self) -> int:
         """A `builtin_interfaces/Time` [ns]."""
         self.align(4)
-        begin = self._advance(_STAMP_BYTES)
+        begin = self._advance(STAMP_SIZE)
         self.stamps.append(begin)
-        seconds, nanoseconds = struct.unpack_from(self._order + "iI", self._data, begin)
-        return int(seconds) * NANOSECONDS + int(nanoseconds)
+        return stamp_of(self._data, begin)
 
     def header(self) -> tuple[int, str]:
         """A `std_msgs/Header`: stamp [ns] and frame."""

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from follower_humanoid.bag.cdr import NANOSECONDS, CdrError, Cursor, decode_batch
+from follower_humanoid.bag.cdr import CdrError, Cursor, decode_batch
 from follower_humanoid.bag.layouts import IRREGULAR, WALKS
 from follower_humanoid.bag.mcap_file import McapFile, Message, bag_files
 from follower_humanoid.bag.parameter_events import parameter_event
 from follower_humanoid.bag.recorder import ADJUSTED
 from follower_humanoid.bag.writer import ABOUT_METADATA, URDF_ATTACHMENT
 from follower_humanoid.core import samples
+from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.core.samples import Array
 from follower_humanoid.core.topics import TOPICS, Topic
 from follower_humanoid.errors import ConfigurationError

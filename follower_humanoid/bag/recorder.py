@@ -5,7 +5,6 @@ Free of ROS: serialized messages come in with their times, a bag goes out.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from dataclasses import dataclass
 from operator import attrgetter
@@ -15,10 +14,9 @@ from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.transforms import Made, TransformMaker
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
+from follower_humanoid.core.cdr import HEADER, NANOSECONDS, stamp_of
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.topics import TOPICS
-
-NANOSECONDS = 1_000_000_000
 
 EVERY_MESSAGE = frozenset(
     {
@@ -53,7 +51,6 @@ _FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench",
 _AS_THEY_COME = _FROM_PEOPLE | {"footsteps"}
 
 _MADE = frozenset({"/tf", "/tf_static", "robot_description"})
-_ENCAPSULATION = 4
 _TYPE_NAMES: dict[type, str] = {
     samples.Joints: "sensor_msgs/msg/JointState",
     samples.Gait: "sensor_msgs/msg/JointState",
@@ -96,7 +93,7 @@ class Recorded:
     type_name: str
     thinned: bool
     lockstepped: bool
-    stamped_at: int = _ENCAPSULATION
+    stamped_at: int = len(HEADER)
 
 
 def recorded_topics() -> tuple[Recorded, ...]:
@@ -104,7 +101,7 @@ def recorded_topics() -> tuple[Recorded, ...]:
     listed = []
     for topic in TOPICS.values():
         # An array of markers begins with its length; the stamp is that of the first marker.
-        offset = _ENCAPSULATION + (4 if topic.kind is samples.Footsteps else 0)
+        offset = len(HEADER) + (4 if topic.kind is samples.Footsteps else 0)
         thinned = topic.name not in EVERY_MESSAGE and topic.name not in _AS_THEY_COME
         reliable = topic.name not in _FROM_PEOPLE
         listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], thinned, reliable, offset))
@@ -112,15 +109,6 @@ def recorded_topics() -> tuple[Recorded, ...]:
     listed.append(Recorded("clock", "rosgraph_msgs/msg/Clock", True, False))
     listed.append(Recorded("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", False, False))
     return tuple(listed)
-
-
-def stamp_of(data: bytes, offset: int) -> int | None:
-    """Stamp of a serialized message [ns]; None where it is too short to hold one."""
-    if len(data) < offset + 8:
-        return None
-    order = "<" if data[1] & 1 else ">"
-    seconds, nanoseconds = struct.unpack_from(order + "iI", data, offset)
-    return int(seconds) * NANOSECONDS + int(nanoseconds)
 
 
 class Arrival(NamedTuple):
@@ -174,7 +162,7 @@ class Recording:
         topic = arrival.topic
         if topic.thinned:
             stamp = stamp_of(arrival.data, topic.stamped_at)
-            slot = (self.latest_stamp or 0 if stamp is None else stamp) // self._slot
+            slot = (stamp if stamp >= 0 else self.latest_stamp or 0) // self._slot
             if self._last_slot.get(topic.name) == slot:
                 return
             self._last_slot[topic.name] = slot
@@ -228,8 +216,10 @@ class Recording:
         qos = offered_qos("reliable", "transient_local" if topic.name in self._latched else "volatile")
         return topic.name if topic.name.startswith("/") else above + topic.name, [qos]
 
-    def _watch(self, stamp: int | None) -> None:
+    def _watch(self, stamp: int) -> None:
         """Counts the ticks whose state did not arrive."""
-        if stamp is not None and self.latest_stamp is not None:
+        if stamp < 0:  # cut short
+            return
+        if self.latest_stamp is not None:
             self.missing += max(0, round((stamp - self.latest_stamp) / self._tick) - 1)
         self.latest_stamp = stamp

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from follower_humanoid.bag.cdr import NANOSECONDS, CdrError, Cursor
+from follower_humanoid.bag.cdr import CdrError, Cursor
 from follower_humanoid.bag.layouts import WALKS
 from follower_humanoid.core import samples
+from follower_humanoid.core.cdr import CdrBytes, put_stamp, stamp_of
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.transforms import Edge, TransformTree
 
@@ -20,8 +21,6 @@ TF_TYPE = "tf2_msgs/msg/TFMessage"
 STRING_TYPE = "std_msgs/msg/String"
 PERIOD = 20_000_000
 """Time between two transforms of a frame [ns]."""
-_HEADER = b"\x00\x01\x00\x00"
-_STAMP = struct.Struct("<iI")
 
 
 class Made(NamedTuple):
@@ -38,37 +37,34 @@ class TransformMessage:
 
     def __init__(self, edges: tuple[Edge, ...]) -> None:
         """Args: parent and child frames, in order."""
-        data = bytearray(_HEADER + struct.pack("<I", len(edges)))
+        message = CdrBytes()
+        message.length(len(edges))
         self._stamps: list[int] = []
         blocks: list[int] = []
         for parent, child in edges:
-            _align(data, 4)
-            self._stamps.append(len(data))
-            data += _STAMP.pack(0, 0)
-            for name in (parent, child):
-                _align(data, 4)
-                text = name.encode() + b"\0"
-                data += struct.pack("<I", len(text)) + text
-            _align(data, 8)
-            blocks.append(len(data))
-            data += bytes(7 * 8)
-        self._data = data
-        self._views = [np.frombuffer(data, "<f8", 7, offset) for offset in blocks]
+            self._stamps.append(message.stamp())
+            message.text(parent)
+            message.text(child)
+            message.align(8)
+            blocks.append(len(message.data))
+            message.data += bytes(7 * 8)
+        self._data = message.data
+        self._views = [np.frombuffer(self._data, "<f8", 7, offset) for offset in blocks]
 
     def encode(self, stamp: int, poses: Array) -> bytes:
         """The message; stamp in [ns], poses of the children as position and quaternion, shape (n, 7)."""
         for view, pose in zip(self._views, poses, strict=True):
             view[:] = pose
-        words = divmod(stamp, NANOSECONDS)
         for offset in self._stamps:
-            _STAMP.pack_into(self._data, offset, *words)
+            put_stamp(self._data, offset, stamp)
         return bytes(self._data)
 
 
 def string_message(text: str) -> bytes:
     """A serialised std_msgs/String."""
-    data = text.encode("utf-8") + b"\0"
-    return _HEADER + struct.pack("<I", len(data)) + data
+    message = CdrBytes()
+    message.text(text)
+    return bytes(message.data)
 
 
 class TransformMaker:
@@ -106,7 +102,7 @@ class TransformMaker:
                 cursor = Cursor(data)
                 WALKS[samples.Odometry](cursor)
                 self._odometry = (
-                    _stamp(data, cursor),
+                    stamp_of(data, cursor.stamps[0]),
                     np.hstack([_numbers(data, cursor, name) for name in ("position", "quat_xyzw")]),
                 )
             else:
@@ -114,15 +110,13 @@ class TransformMaker:
                 _, names = WALKS[samples.Joints](cursor)
                 values = dict(zip(names, _numbers(data, cursor, "position"), strict=True))
                 order = [values[name] for name in self._tree.joint_names]
-                self._joints = _stamp(data, cursor), np.array(order)
+                self._joints = stamp_of(data, cursor.stamps[0]), np.array(order)
         except (CdrError, KeyError, ValueError, struct.error, IndexError):
             return None
         return self._made()
 
     def _wanted(self, data: bytes) -> bool:
-        order = "<" if data[1] & 1 else ">"
-        seconds, nanoseconds = struct.unpack_from(order + "iI", data, len(_HEADER))
-        stamp = seconds * NANOSECONDS + nanoseconds
+        stamp = stamp_of(data)
         return self._due is None or not self._due - PERIOD < stamp < self._due
 
     def _made(self) -> Made | None:
@@ -135,16 +129,6 @@ class TransformMaker:
         return Made("/tf", TF_TYPE, False, self._moving.encode(stamp, self._tree.poses(self._tree.moving)))
 
 
-def _stamp(data: bytes, cursor: Cursor) -> int:
-    order = ">" if cursor.big_endian else "<"
-    seconds, nanoseconds = struct.unpack_from(order + "iI", data, cursor.stamps[0])
-    return int(seconds) * NANOSECONDS + int(nanoseconds)
-
-
 def _numbers(data: bytes, cursor: Cursor, name: str) -> Array:
     offset, count = cursor.numbers[name]
     return np.frombuffer(data, ">f8" if cursor.big_endian else "<f8", count, offset).astype(np.float64)
-
-
-def _align(data: bytearray, size: int) -> None:
-    data += bytes(-(len(data) - len(_HEADER)) % size)

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from follower_humanoid.core import samples
+from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.core.samples import Array, Sample
 from follower_humanoid.core.topics import TOPICS, Topic
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 
-NANOSECONDS = 1_000_000_000
 Integers = NDArray[np.int64]
 
 # Samples whose size changes from one to the next: kept as objects, never stacked.

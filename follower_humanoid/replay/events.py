@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import queue
-import struct
 import threading
 from collections.abc import Iterable, Iterator
 from operator import attrgetter
 from typing import NamedTuple
 
 from follower_humanoid.bag.mcap_file import Message
+from follower_humanoid.core.cdr import clock_bytes
 from follower_humanoid.replay.index import BagFile, BagIndex, open_file
 
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 CLOCK = "/clock"
 _AHEAD = 2  # chunks
-_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-_STAMP = struct.Struct("<iI")
 _RECEIVED = attrgetter("received")
 
 
@@ -101,6 +99,6 @@ def with_clock(messages: Iterable[Event], period: int) -> Iterator[Event]:
     for message in messages:
         due = message.time if due is None else due
         while due <= message.time:
-            yield Event(due, CLOCK, _LITTLE_ENDIAN + _STAMP.pack(*divmod(due, 1_000_000_000)))
+            yield Event(due, CLOCK, clock_bytes(due))
             due += period
         yield message

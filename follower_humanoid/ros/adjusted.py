@@ -12,9 +12,9 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.parameter import Parameter
 
 from follower_humanoid.bag.recorder import ADJUSTED
+from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.ros.barrier import Barrier
-from follower_humanoid.ros.codecs import NANOSECONDS
 
 if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode

@@ -1,8 +1,7 @@
-"""CDR, the wire format of ROS 2: serialises a message and remembers where each number lies.
+"""Serialises a message object to CDR and remembers where each number lies.
 
 `serialize_message` would do the first half only, and leaves old memory in padding bytes and
-after empty arrays. Here padding is zero, so equal messages are equal bytes.
-Format: XCDR1 little-endian, each primitive aligned to its own size from the end of the 4-byte header.
+after empty arrays.
 """
 
 from __future__ import annotations
@@ -13,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-HEADER = b"\x00\x01\x00\x00"
+from follower_humanoid.core.cdr import CdrBytes
+
 _CODES = {
     "boolean": "?", "octet": "B", "uint8": "B", "int8": "b", "char": "B", "uint16": "H", "int16": "h",
     "uint32": "I", "int32": "i", "uint64": "Q", "int64": "q", "float": "f", "double": "d",
@@ -40,17 +40,16 @@ class Slot:
         return self.offset + self.count * struct.calcsize(self.code)
 
 
-class CdrWriter:
+class CdrWriter(CdrBytes):
     """Serialises one message.
 
     Attributes:
-        data: The bytes so far.
         slots: Path of a field (`header.stamp.sec`, `markers[0].pose.position.x`) → where it lies.
     """
 
     def __init__(self, message: Any) -> None:
         """Serialises the whole message."""
-        self.data = bytearray(HEADER)
+        super().__init__()
         self.slots: dict[str, Slot] = {}
         self._message(message, "")
 
@@ -62,11 +61,9 @@ class CdrWriter:
         if kind in _CODES:
             self._numbers([value], _CODES[kind], path)
         elif kind.startswith("string"):
-            text = value.encode() + b"\0"
-            self._pack("I", len(text))
-            self.data += text
+            self.text(value)
         elif kind.startswith("sequence<"):
-            self._pack("I", len(value))
+            self.length(len(value))
             self._elements(value, kind[len("sequence<") : -1].partition(",")[0], path)
         elif kind.endswith("]"):
             self._elements(value, kind.partition("[")[0], path)
@@ -82,13 +79,6 @@ class CdrWriter:
 
     def _numbers(self, values: Any, code: str, path: str) -> None:
         if len(values):  # an empty sequence is not aligned
-            self._align(struct.calcsize(code))
+            self.align(struct.calcsize(code))
         self.slots[path] = Slot(len(self.data), code, len(values))
         self.data += np.asarray(values, dtype=np.dtype(code).newbyteorder("<")).tobytes()
-
-    def _pack(self, code: str, value: int) -> None:
-        self._align(struct.calcsize(code))
-        self.data += struct.pack("<" + code, value)
-
-    def _align(self, size: int) -> None:
-        self.data += b"\0" * (-(len(self.data) - len(HEADER)) % size)

@@ -8,39 +8,22 @@ publisher (other order of names, other frame): those are deserialised and checke
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
 from rclpy.serialization import deserialize_message
 
+from follower_humanoid.core.cdr import STAMP_SIZE, put_stamp
 from follower_humanoid.core.samples import Array
 from follower_humanoid.core.topics import TOPICS
 from follower_humanoid.robot.model import RobotModel
-from follower_humanoid.ros.cdr import HEADER, CdrWriter, Slot
+from follower_humanoid.ros.cdr import CdrWriter, Slot
 from follower_humanoid.ros.formats import format_of
 from follower_humanoid.ros.layouts import Format
 from follower_humanoid.ros.validation import MessageError, finite
 
-NANOSECONDS = 1_000_000_000
-_STAMP = struct.Struct("<iI")
-_BIG_STAMP = struct.Struct(">iI")
-_STAMP_OFFSET = len(HEADER)
 _LARGEST_CACHE = 64
-
-
-def stamp_of(data: bytes) -> int:
-    """Time [ns] at the head of any serialised message that begins with a stamp; −1 if it is cut short."""
-    if len(data) < _STAMP_OFFSET + _STAMP.size:
-        return -1
-    seconds, nanoseconds = (_STAMP if data[1] & 1 else _BIG_STAMP).unpack_from(data, _STAMP_OFFSET)
-    return int(seconds) * NANOSECONDS + int(nanoseconds)
-
-
-def clock_bytes(stamp: int) -> bytes:
-    """A serialised rosgraph_msgs/Clock; `stamp` in [ns]."""
-    return HEADER + _STAMP.pack(*divmod(stamp, NANOSECONDS))
 
 
 class _Layout:
@@ -71,7 +54,7 @@ class _Layout:
 
     def _fixed_parts(self) -> list[tuple[int, int, bytes]]:
         """What must be equal in every message of this layout: all but stamps and numbers."""
-        taken = [(offset, offset + _STAMP.size) for offset in self._stamps]
+        taken = [(offset, offset + STAMP_SIZE) for offset in self._stamps]
         taken += [(slot.offset, slot.end) for slot in self.slots]
         parts, at = [], 0
         for begin, end in [*sorted(taken), (len(self.data), len(self.data))]:
@@ -84,9 +67,8 @@ class _Layout:
         """The message with these numbers and this stamp [ns]."""
         for view, values in zip(self._views, numbers, strict=True):
             view[:] = values
-        seconds, nanoseconds = divmod(stamp, NANOSECONDS)
         for offset in self._stamps:
-            _STAMP.pack_into(self.data, offset, seconds, nanoseconds)
+            put_stamp(self.data, offset, stamp)
         return bytes(self.data)
 
     def blocks(self, topic: str, data: bytes) -> list[Array]:

@@ -15,8 +15,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
+from follower_humanoid.core.cdr import HEADER
 from follower_humanoid.graph.wiring import NodeWiring
-from follower_humanoid.ros.cdr import HEADER
 from follower_humanoid.ros.validation import MessageError
 
 _STAMP = struct.Struct("<q")

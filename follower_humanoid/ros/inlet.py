@@ -10,10 +10,11 @@ from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, UInt8MultiArray
 
+from follower_humanoid.core.cdr import stamp_of
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nodes_with
 from follower_humanoid.ros.barrier import Barrier
-from follower_humanoid.ros.codecs import Codec, stamp_of
+from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.outlet import ABSENT

@@ -9,12 +9,13 @@ from typing import Any
 from rclpy.parameter import Parameter
 from std_msgs.msg import Header
 
+from follower_humanoid.core.cdr import stamp_of
 from follower_humanoid.graph.lockstep import STALE, LockStep
 from follower_humanoid.graph.wiring import SIMULATOR, NodeWiring, node_wiring
 from follower_humanoid.ros.adjusted import AdjustedParameters
 from follower_humanoid.ros.barrier import RESET, Announcer, Barrier
 from follower_humanoid.ros.bus import Bus
-from follower_humanoid.ros.codecs import Codec, stamp_of
+from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.inlet import Inlet
 from follower_humanoid.ros.leaving import AHEAD, Attendance
 from follower_humanoid.ros.managed_node import ManagedNode, Rate

@@ -13,9 +13,9 @@ from rclpy.clock_type import ClockType
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
+from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import GraphConfig
-from follower_humanoid.ros.codecs import NANOSECONDS
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.qos import DIAGNOSTICS
 

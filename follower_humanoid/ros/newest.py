@@ -11,8 +11,9 @@ from typing import Any
 
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from follower_humanoid.core.cdr import stamp_of
 from follower_humanoid.robot.model import RobotModel
-from follower_humanoid.ros.codecs import Codec, stamp_of
+from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.validation import MessageError
 
 NEWEST = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from std_msgs.msg import Header, UInt8MultiArray
 
+from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, NodeWiring, is_same_tick, nodes_with
 from follower_humanoid.ros.barrier import Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
-from follower_humanoid.ros.codecs import NANOSECONDS, Codec
+from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.formats import PEOPLE
 

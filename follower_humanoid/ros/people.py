@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from follower_humanoid.core.cdr import NANOSECONDS, stamp_of
 from follower_humanoid.core.samples import Wrench
 from follower_humanoid.graph.graph_config import LEADER, RunConfig
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.plant.grip import ZERO, Grip
-from follower_humanoid.ros.codecs import NANOSECONDS, Codec, stamp_of
+from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.validation import MessageError
 
 _PERIOD = NODES[LEADER].period

@@ -16,9 +16,9 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.recorder import STATE, Arrival, Recorded, Recording, recorded_topics
+from follower_humanoid.core.cdr import clock_bytes
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
-from follower_humanoid.ros.codecs import clock_bytes
 from follower_humanoid.ros.envelope import Envelope, envelope_topic
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.validation import MessageError

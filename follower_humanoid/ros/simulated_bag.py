@@ -14,10 +14,11 @@ from follower_humanoid.bag.about import about_run
 from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.recorder import ADJUSTED, STATE, Arrival, Recorded, Recording, recorded_topics
 from follower_humanoid.bag.writer import About, BagWriter
+from follower_humanoid.core.cdr import NANOSECONDS, clock_bytes
 from follower_humanoid.core.samples import Sample
 from follower_humanoid.graph.record import Adjusted, Run, RunRecorder
 from follower_humanoid.robot.model import RobotModel
-from follower_humanoid.ros.codecs import NANOSECONDS, Codec, clock_bytes
+from follower_humanoid.ros.codecs import Codec
 
 _RATE = 100.0  # of topics that are thinned out, as the recorder's default [Hz]
 _CLOCK = "clock"

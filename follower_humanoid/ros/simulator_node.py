@@ -12,13 +12,13 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
+from follower_humanoid.core.cdr import NANOSECONDS, clock_bytes
 from follower_humanoid.graph.graph_config import LEADER, RunConfig
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.pace import Durations, Pace
 from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
 from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
-from follower_humanoid.ros.codecs import NANOSECONDS, clock_bytes
 from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.ros.lockstep_node import LockStepNode
 from follower_humanoid.ros.managed_node import FAILED
