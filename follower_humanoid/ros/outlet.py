@@ -94,7 +94,7 @@ class Outlet:
         barrier.watch(self._absent, ())
         table = nodes_with(node.present)
         others = {reader: p for reader, p in ways.items() if not node.shares_process(reader)}
-        slow = {reader for reader in others if hears_slow(table[reader], node.wiring)}
+        slow = {reader for reader in others if reader in table and hears_slow(table[reader], node.wiring)}
         barrier.watch_either(self._sealed, {r: p for r, p in others.items() if r not in slow})
         if slow:
             barrier.watch_either(self._slow, {r: p for r, p in others.items() if r in slow})
