@@ -1,85 +1,14 @@
 """A forked process lives as a started one does: its name, its status, its signals."""
 
-from __future__ import annotations
-
-import os
-import signal
+import subprocess
 import sys
-import time
 from pathlib import Path
 
-from follower_humanoid.ros.forked import Forked, Gate
-
-COMMAND = ["/somewhere/python", "/somewhere/lib/leader", "--option", "two words"]
+CASES = Path(__file__).with_name("forked_cases.py")
 
 
-def forked(main, gate, environment=None):
-    return Forked(COMMAND, main, environment or {}, gate)
-
-
-def sleep_long():
-    time.sleep(60.0)
-    return 0
-
-
-def test_status_is_what_main_returns():
-    gate = Gate()
-    both = [forked(lambda: 3, gate), forked(lambda: sys.exit(4), gate)]
-    assert both[0].poll() is None
-    gate.open()
-    assert [process.wait() for process in both] == [3, 4]
-
-
-def test_an_exception_is_told_and_is_a_failure(capfd):
-    gate = Gate()
-    process = forked(lambda: 1 // 0, gate)
-    gate.open()
-    assert process.wait() == 1
-    assert "ZeroDivisionError" in capfd.readouterr().err
-
-
-def test_it_waits_for_the_gate_and_goes_home_when_that_is_gone(tmp_path):
-    gate = Gate()
-    trace = tmp_path / "trace"
-    process = forked(lambda: trace.touch() or 5, gate)
-    time.sleep(0.2)
-    assert process.poll() is None
-    gate.close()
-    assert process.wait() == 0
-    assert not trace.exists()
-
-
-def test_ps_shows_its_name_and_it_has_its_own_session_and_environment(tmp_path):
-    gate = Gate()
-    told = tmp_path / "told"
-
-    def tell():
-        told.write_text(f"{os.environ['GIVEN']} {os.getsid(0) == os.getpid()}")
-        print("dropped")
-        return sleep_long()
-
-    process = forked(tell, gate, {"GIVEN": "value"})
-    gate.open()
-    while not told.exists() or not told.read_text():
-        time.sleep(0.01)
-    try:
-        words = Path(f"/proc/{process.pid}/cmdline").read_bytes().rstrip(b"\0").decode()
-        assert words == " ".join(COMMAND)
-        assert told.read_text() == "value True"
-        assert "GIVEN" not in os.environ
-    finally:
-        process.kill()
-        assert process.wait() == -signal.SIGKILL
-
-
-def test_it_obeys_sigterm_although_its_parent_handles_it_otherwise():
-    before = signal.signal(signal.SIGTERM, lambda number, frame: None)
-    try:
-        gate = Gate()
-        process = forked(sleep_long, gate)
-        gate.open()
-        time.sleep(0.2)
-        process.send_signal(signal.SIGTERM)
-        assert process.wait() == -signal.SIGTERM
-    finally:
-        signal.signal(signal.SIGTERM, before)
+def test_forked_processes_where_no_middleware_runs_yet():
+    """As in bringup: threads of a middleware that an earlier test started would be missing after a fork."""
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(CASES)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
