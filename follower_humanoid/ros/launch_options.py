@@ -17,6 +17,7 @@ WORDS = {
 SWITCHES = {
     "composed": "all nodes in one process",
     "realtime": "not faster than real time",
+    "open": "let other machines reach the graph",
     "view": "the browser viewer beside it",
 }
 _LISTS = ("without", "params")
