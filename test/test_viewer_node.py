@@ -110,7 +110,7 @@ def test_a_dragged_hand_makes_it_step_and_a_lost_page_lets_go(tmp_path, browser)
             assert run.process.returncode == 0, run.complained
             assert "The viewer was stopped" in browser.text()
         finally:
-            listener.terminate()
+            listener.kill()  # a plain `rclpy.spin` does not always hear SIGTERM
             listener.wait()
 
 
