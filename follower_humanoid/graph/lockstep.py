@@ -15,7 +15,7 @@ and from there on nobody waits for what it publishes. With its next message it i
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 
 from follower_humanoid.graph.wiring import (
@@ -64,8 +64,9 @@ class _Input:
 
     def forget(self, before: int) -> None:
         """Drops what no step needs any more; the newest is kept for the case that a stranger falls silent."""
-        for old in sorted([tick for tick in self.samples if tick < before]):
-            self.newest = self.samples.pop(old)
+        old = [tick for tick in self.samples if tick < before]
+        for tick in sorted(old) if len(old) > 1 else old:
+            self.newest = self.samples.pop(tick)
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,10 @@ class LockStep:
             for entry in self._inputs.values()
             if entry.missing and entry.awaited is not None
         ]
+
+    def waits_for(self, topics: Iterable[str]) -> bool:
+        """Whether the step of `tick` still needs one of these."""
+        return self._missing > 0 and any(self._inputs[topic].missing for topic in topics)
 
     def needs(self, topic: str, tick: int) -> bool:
         """Whether a message can be used by this or a later step; false where it may be dropped unread."""
@@ -277,8 +282,9 @@ class LockStep:
                 continue
             if used != entry.awaited:
                 entry.awaited = used
-                entry.forget(used)
-            if not entry.held and used not in entry.samples and entry.missing:
+                if entry.samples:
+                    entry.forget(used)
+            if used not in entry.samples and entry.missing:
                 missing += 1
         self._missing = missing
 

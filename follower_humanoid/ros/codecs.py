@@ -26,24 +26,32 @@ from follower_humanoid.ros.validation import MessageError, finite
 _LARGEST_CACHE = 64
 
 
-class _Layout:
-    """One template and where its numbers lie."""
+class Layout:
+    """One template and where its numbers lie.
+
+    Attributes:
+        data: The message as it was filled last.
+        stamps: Where its stamps lie.
+        slots: Where its numbers lie, block by block.
+        views: The numbers in `data`, block by block.
+        fixed: First byte, first byte behind, and bytes of what is equal in every message of this layout.
+    """
 
     def __init__(self, form: Format, shape: Hashable) -> None:
         message, blocks = form.template(shape)
         writer = CdrWriter(message)
         self.data = bytearray(writer.data)
-        self._stamps = [
+        self.stamps = [
             slot.offset for path, slot in writer.slots.items() if path.endswith("header.stamp.sec")
         ]
         self.slots = [
             Slot(writer.slots[path].offset, writer.slots[path].code, count) for path, count in blocks
         ]
-        self._views = [
+        self.views = [
             np.frombuffer(self.data, np.dtype("<" + slot.code), slot.count, slot.offset)
             for slot in self.slots
         ]
-        self._fixed = self._fixed_parts()
+        self.fixed = self._fixed_parts()
         if form.fast_reading:
             self._span_offset = self.slots[0].offset
             first = self._span_offset
@@ -54,7 +62,7 @@ class _Layout:
 
     def _fixed_parts(self) -> list[tuple[int, int, bytes]]:
         """What must be equal in every message of this layout: all but stamps and numbers."""
-        taken = [(offset, offset + STAMP_SIZE) for offset in self._stamps]
+        taken = [(offset, offset + STAMP_SIZE) for offset in self.stamps]
         taken += [(slot.offset, slot.end) for slot in self.slots]
         parts, at = [], 0
         for begin, end in [*sorted(taken), (len(self.data), len(self.data))]:
@@ -65,9 +73,9 @@ class _Layout:
 
     def fill(self, numbers: tuple[Any, ...], stamp: int) -> bytes:
         """The message with these numbers and this stamp [ns]."""
-        for view, values in zip(self._views, numbers, strict=True):
+        for view, values in zip(self.views, numbers, strict=True):
             view[:] = values
-        for offset in self._stamps:
+        for offset in self.stamps:
             put_stamp(self.data, offset, stamp)
         return bytes(self.data)
 
@@ -90,7 +98,7 @@ class _Layout:
         """Whether a message differs from this one in stamp and numbers only."""
         if len(data) != len(self.data):
             return False
-        return all(data[begin:end] == part for begin, end, part in self._fixed)
+        return all(data[begin:end] == part for begin, end, part in self.fixed)
 
 
 class Codec:
@@ -99,6 +107,9 @@ class Codec:
     Attributes:
         topic: Name of the topic.
         message_type: ROS message class.
+        shape: What decides the layout of a sample.
+        numbers: The numbers of a sample, block by block as in its layout.
+        read_layout: Our own messages on the topic; None where they have several layouts.
     """
 
     def __init__(self, topic: str, robot: RobotModel) -> None:
@@ -106,21 +117,22 @@ class Codec:
         self.topic = topic
         self._format = format_of(TOPICS[topic], robot)
         self.message_type = self._format.message_type
-        self._layouts: dict[Hashable, _Layout] = {}
-        self._read_layout = self._layout(None) if self._format.fast_reading else None
+        self._layouts: dict[Hashable, Layout] = {}
+        self.shape, self.numbers = self._format.shape, self._format.numbers
+        self.read_layout = self.layout(None) if self._format.fast_reading else None
 
-    def _layout(self, shape: Hashable) -> _Layout:
+    def layout(self, shape: Hashable) -> Layout:
+        """The layout of samples of a shape; made when it is asked for first."""
         layout = self._layouts.get(shape)
         if layout is None:
             if len(self._layouts) >= _LARGEST_CACHE:
                 self._layouts.clear()
-            layout = self._layouts[shape] = _Layout(self._format, shape)
+            layout = self._layouts[shape] = Layout(self._format, shape)
         return layout
 
     def encode(self, sample: Any, stamp: int) -> bytes:
         """The serialised message; `stamp` in [ns]."""
-        layout = self._layout(self._format.shape(sample))
-        return layout.fill(self._format.numbers(sample), stamp)
+        return self.layout(self.shape(sample)).fill(self.numbers(sample), stamp)
 
     def decode(self, data: bytes) -> Any:
         """The sample in a serialised message.
@@ -128,10 +140,14 @@ class Codec:
         Raises:
             MessageError: The message cannot be used.
         """
-        layout = self._read_layout
+        layout = self.read_layout
         if layout is None or not layout.fits(data):
             return self._read(data)
-        return self._format.sample(layout.blocks(self.topic, data), None)
+        return self.made_of(layout.blocks(self.topic, data))
+
+    def made_of(self, blocks: list[Array]) -> Any:
+        """The sample with these numbers, block by block as in `read_layout`."""
+        return self._format.sample(blocks, None)
 
     def _read(self, data: bytes) -> Any:
         try:

@@ -41,6 +41,7 @@ class Envelope:
     Attributes:
         topics: What is in it, in order.
         name: Topic that the envelopes travel on.
+        contents: Where the first message begins.
     """
 
     def __init__(self, node: NodeWiring) -> None:
@@ -48,7 +49,7 @@ class Envelope:
         self.topics = tuple(node.outputs.values())
         self.name = envelope_topic(node.name)
         self._lengths = struct.Struct(f"<{len(self.topics)}I")
-        self._contents = _DATA + _STAMP.size + self._lengths.size
+        self.contents = _DATA + _STAMP.size + self._lengths.size
 
     def seal(self, stamp: int, messages: Sequence[bytes]) -> bytes:
         """The serialised envelope.
@@ -61,18 +62,32 @@ class Envelope:
         data = b"".join((_STAMP.pack(stamp), lengths, *messages))
         return b"".join((HEADER, _FRONT.pack(0, 0, len(data)), data))
 
-    def open(self, data: bytes) -> tuple[int, list[bytes]]:
-        """The inverse of `seal`: stamp [ns] and messages.
+    @staticmethod
+    def put_stamp(data: bytearray, stamp: int) -> None:
+        """Renews the stamp [ns] of a serialised envelope."""
+        _STAMP.pack_into(data, _DATA, stamp)
+
+    def front(self, data: bytes) -> tuple[int, bytes]:
+        """Stamp [ns] and table of lengths.
 
         Raises:
             MessageError: Not an envelope of this node.
         """
-        if len(data) < self._contents:
+        if len(data) < self.contents:
             raise MessageError(self.name, f"{len(data)} bytes are no envelope")
         (stamp,) = _STAMP.unpack_from(data, _DATA)
+        return stamp, data[_DATA + _STAMP.size : self.contents]
+
+    def open(self, data: bytes) -> tuple[int, list[bytes]]:
+        """The inverse of `seal`: stamp [ns] and messages.
+
+        Raises:
+            MessageError: Not an envelope of this node, or cut short.
+        """
+        stamp, table = self.front(data)
         messages = []
-        at = self._contents
-        for length in self._lengths.unpack_from(data, _DATA + _STAMP.size):
+        at = self.contents
+        for length in self._lengths.unpack(table):
             messages.append(data[at : at + length])
             at += length
         if at > len(data):

@@ -16,7 +16,9 @@ from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nod
 from follower_humanoid.ros.barrier import Barrier
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
+from follower_humanoid.ros.envelope_reader import EnvelopeReader
 from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.mailbox import Mailbox
 from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.validation import MessageError
 
@@ -32,6 +34,7 @@ class Inlet:
     - From strangers in place of a node that was left out, and where a topic is remapped: by the public topic.
 
     Attributes:
+        mailbox: The envelopes, where the node is alone in its process.
         copies: Topic → who wants to see the leader's message as it is.
     """
 
@@ -39,6 +42,7 @@ class Inlet:
         """Args: who listens; its lock says to what."""
         self._node = node
         self._skips = node.wiring.period > 1  # a slow node leaves most messages unread
+        self.mailbox = Mailbox(node.context)
         self.copies: dict[str, Callable[[bytes], None]] = {}
         self._by_bus: dict[str, list[str]] = {}
         self._by_envelope: dict[str, list[str]] = {}
@@ -66,21 +70,20 @@ class Inlet:
                 node.bus.listen(node.wiring.name, producer)
         table = nodes_with(node.present)
         for producer, topics in self._by_envelope.items():
-            envelope = Envelope(table[producer])
-            parts = [
-                (topic, envelope.topics.index(topic), codecs[topic].decode)
-                for topic in topics
-                if topic != CLOCK
-            ]
-            receive = partial(self._receive_envelope, envelope, parts, CLOCK in topics)
-            slow = hears_slow(node.wiring, table[producer])
-            node.make_subscription(UInt8MultiArray, envelope_topic(producer, slow), receive)
+            wanted = {topic: codecs[topic] for topic in topics if topic != CLOCK}
+            reader = EnvelopeReader(Envelope(table[producer]), wanted)
+            topic = envelope_topic(producer, hears_slow(node.wiring, table[producer]))
+            deliver = partial(self._deliver, reader, topics)
+            subscription = node.make_subscription(UInt8MultiArray, topic, deliver)
+            if node.bus is None:  # several nodes in one process must not wait for one another's messages
+                receive = partial(self._receive_envelope, reader, topics)
+                self.mailbox.add(subscription, receive, partial(node.lock.waits_for, topics))
         for topic in self._by_topic:
             if topic == CLOCK:
                 node.make_subscription(Clock, CLOCK, self._receive_clock)
                 continue
-            receive = partial(self._receive, topic, codecs[topic].decode)
-            subscription = node.make_subscription(codecs[topic].message_type, topic, receive)
+            hear = partial(self._receive, topic, codecs[topic].decode)
+            subscription = node.make_subscription(codecs[topic].message_type, topic, hear)
             if not is_optional(topic):
                 barrier.watch_stranger(subscription, PRODUCER[topic].name)
         if self._by_topic:
@@ -99,30 +102,36 @@ class Inlet:
                 ready |= lock.put(topic, tick, True if topic == CLOCK else samples[topic])
         return ready
 
-    def _receive_envelope(
-        self, envelope: Envelope, parts: list[tuple[str, int, Any]], with_clock: bool, data: bytes
-    ) -> None:
-        node = self._node
-        try:
-            stamp, messages = envelope.open(data)
+    def _deliver(self, reader: EnvelopeReader, topics: list[str], data: bytes) -> None:
+        if self._receive_envelope(reader, topics, data):
+            self._node.run_ready_steps()
+
+    def _receive_envelope(self, reader: EnvelopeReader, topics: list[str], data: bytes) -> bool:
+        """Takes in an envelope; returns whether the lock is ready now."""
+        node, lock = self._node, self._node.lock
+
+        def of_use(stamp: int) -> bool:
             tick, rest = divmod(stamp, node.tick_ns)
             if rest:
-                raise MessageError(envelope.name, f"stamp {stamp} ns is no tick")
+                raise MessageError(reader.envelope.name, f"stamp {stamp} ns is no tick")
             node.come_back(tick)
-            lock, ready = node.lock, False
-            for topic, index, decode in parts:
-                message = messages[index]
-                if topic in self.copies and message:
+            return not self._skips or any(lock.needs(topic, tick) for topic in topics)
+
+        try:
+            stamp, samples = reader.read(data, of_use)
+            ready, tick = False, stamp // node.tick_ns
+            for topic in self.copies:
+                if topic in topics and (message := reader.message(data, topic)):
                     self.copies[topic](message)
-                if not self._skips or lock.needs(topic, tick):
-                    ready |= lock.put(topic, tick, decode(message) if message else None)
         except MessageError as error:
             node.reject(error)
-            return
-        if with_clock and lock.needs(CLOCK, tick):
+            return False
+        for topic, sample in samples:
+            if not self._skips or lock.needs(topic, tick):
+                ready |= lock.put(topic, tick, sample)
+        if CLOCK in topics and lock.needs(CLOCK, tick):
             ready |= lock.put(CLOCK, tick, True)
-        if ready:
-            node.run_ready_steps()
+        return ready
 
     def _receive(self, topic: str, decode: Any, data: bytes) -> None:
         node = self._node

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rclpy.parameter import Parameter
@@ -28,6 +28,7 @@ from follower_humanoid.ros.shared_robot import shared_robot
 _BARRIER_POLL = 0.02
 _PATIENCE = 1.0  # wall time for a stranger who may not keep the ticks [s]
 _TELL_EVERY = 5.0
+_SHORT_REST = 0.001
 
 
 class LockStepNode(ManagedNode):
@@ -187,6 +188,23 @@ class LockStepNode(ManagedNode):
         return self.create_subscription(message_type, topic, callback, qos, raw=True)
 
     # Steps.
+
+    @property
+    def subscriptions(self) -> Iterator[Any]:
+        """What an executor has to look after: not what the node fetches itself."""
+        fetched = self.inlet.mailbox.subscriptions if hasattr(self, "inlet") else []
+        return (s for s in super().subscriptions if s not in fetched)
+
+    def rest(self) -> float:
+        """Short where a step that the executor brings about makes the node wait for messages again [s]."""
+        return _SHORT_REST if self.inlet.mailbox.subscriptions else super().rest()
+
+    def attend(self, seconds: float) -> bool:
+        """Takes in what others have sent and steps, or waits for it."""
+        if self.inlet.mailbox.fetch():
+            self.run_ready_steps()
+            return True
+        return self.inlet.mailbox.wait(seconds)
 
     def _receive_reset(self, data: bytes) -> None:
         self.reset_at = stamp_of(data) // self.tick_ns

@@ -23,6 +23,9 @@ BAD_CONFIGURATION = 2
 _TELL_EVERY = 1.0  # wall time between two warnings about messages on one topic [s]
 _LONGEST_WARNING = 400  # characters: a message may hold a name of any length
 FAILED = 1
+# The executor's wait without a time limit hears no signal. One with a limit looks at it only when
+# it has nothing to do, so a busy executor is stopped by a future that completes.
+REST = 0.1
 
 
 class ManagedNode(LifecycleNode):
@@ -115,6 +118,14 @@ class ManagedNode(LifecycleNode):
 
     def wind_down(self) -> None:
         """The end is near: begin nothing new, but finish what has arrived."""
+
+    def attend(self, seconds: float) -> bool:
+        """Takes in what the node fetches itself, or waits for it so long [s]; False if there is nothing."""
+        return False
+
+    def rest(self) -> float:
+        """How long the executor may have when the node has nothing to attend to [s]."""
+        return REST
 
     def finish(self) -> None:
         """Last diagnostics before the node goes."""

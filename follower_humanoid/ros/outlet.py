@@ -14,6 +14,7 @@ from follower_humanoid.ros.barrier import Barrier, expected_readers
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
+from follower_humanoid.ros.envelope_writer import EnvelopeWriter
 from follower_humanoid.ros.formats import PEOPLE
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ class Outlet:
         self._fields = tuple(node.wiring.outputs.items())
         self._codecs = codecs
         self._envelope = Envelope(node.wiring)
+        self._writer = EnvelopeWriter(self._envelope, codecs)
         self._public = {
             topic: node.make_publisher(codecs[topic].message_type, topic) for topic in self._envelope.topics
         }
@@ -115,23 +117,23 @@ class Outlet:
         stamp = tick * node.tick_ns
         samples = {topic: getattr(outputs, name) for name, topic in self._fields}
         slow = self._slow_heard and any((tick + lag) % period == 0 for lag, period in self._slow_ticks)
-        made = samples if self._sealed_heard or slow else self._heard
-        messages = {
-            topic: self._codecs[topic].encode(samples[topic], stamp)
-            for topic in made
-            if samples[topic] is not None
-        }
         if self._sealed_heard or slow:  # first what others wait for
-            data = self._envelope.seal(stamp, [messages.get(topic, b"") for topic in samples])
+            data, places = self._writer.seal(samples, stamp)
             if self._sealed_heard:
                 self._sealed.publish(data)
             if slow:
                 self._slow.publish(data)
+            messages = {topic: data[places[topic]] for topic in self._heard if topic in places}
+        else:
+            messages = {
+                topic: self._codecs[topic].encode(samples[topic], stamp)
+                for topic in self._heard
+                if samples[topic] is not None
+            }
         if node.bus is not None:
             node.bus.post(node.wiring.name, tick, samples, messages)
-        for topic, publisher in self._heard.items():
-            if topic in messages:
-                publisher.publish(messages[topic])
+        for topic, message in messages.items():
+            self._heard[topic].publish(message)
         if self._absent_heard:
             for topic, sample in samples.items():
                 if sample is None and topic in _READ_BY_NODES:

@@ -24,16 +24,14 @@ from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.bus import Bus
-from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, ManagedNode
+from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, REST, ManagedNode
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.transport import asked_to_be_open, choose_network
 
 PARENT = "FOLLOWER_HUMANOID_PARENT"
 _PR_SET_PDEATHSIG = 1
-# The executor's wait without a time limit hears no signal. One with a limit looks at it only when
-# it has nothing to do, so a busy executor is stopped by a future that completes.
-_WAIT = 0.1
 _TURN = 0.005  # wall time for which steps within the process keep the executor waiting [s]
+_LONG_TURN = 0.02  # the same where a node waits for messages by itself [s]
 _LAST_WORD = 0.1  # s
 _DISMISSAL = 1.5  # s
 _LONGEST_WIND_DOWN = 0.5  # s
@@ -141,7 +139,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
     try:
         while ended is None and not stop.asked and ok():
             if bus is None:
-                executor.spin_until_future_complete(stop.over, timeout_sec=_WAIT)
+                _attend(executor, nodes[0], stop)
             else:
                 _share_time(executor, bus, stop)
             ended = next((node for node in nodes if node.exit_status is not None), None)
@@ -163,12 +161,22 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
     return last.exit_status
 
 
+def _attend(executor: Any, node: ManagedNode, stop: StopSignal) -> None:
+    """Turns between the messages that the node fetches itself and all else."""
+    until = time.monotonic() + _LONG_TURN
+    attended = False
+    while (left := until - time.monotonic()) > 0.0 and not stop.over.done() and node.attend(left):
+        attended = True
+    if not stop.over.done():
+        executor.spin_until_future_complete(stop.over, timeout_sec=0.0 if attended else node.rest())
+
+
 def _share_time(executor: Any, bus: Bus, stop: StopSignal) -> None:
     """Turns between the nodes' steps and what arrives from outside: messages, services, timers."""
     if bus.work(_TURN):
         executor.spin_until_future_complete(Future(), timeout_sec=0.0)
     elif not stop.over.done():
-        executor.spin_until_future_complete(bus.called, timeout_sec=_WAIT)
+        executor.spin_until_future_complete(bus.called, timeout_sec=REST)
 
 
 def _wind_down(executor: Any, nodes: list[ManagedNode], bus: Bus | None) -> None:
@@ -181,7 +189,10 @@ def _wind_down(executor: Any, nodes: list[ManagedNode], bus: Bus | None) -> None
         done = sum(node.steps for node in nodes)
         while bus is not None and bus.work(_TURN):
             pass
-        executor.spin_until_future_complete(Future(), timeout_sec=_LAST_WORD)
+        until = time.monotonic() + _LAST_WORD
+        while bus is None and (left := until - time.monotonic()) > 0.0 and nodes[0].attend(left):
+            pass
+        executor.spin_until_future_complete(Future(), timeout_sec=max(0.0, until - time.monotonic()))
 
 
 def _linger(executor: Any, stop: StopSignal, await_dismissal: bool) -> None:
