@@ -20,7 +20,7 @@ class Correspondence:
     """A reader that wants one message of each topic per round, and who writes to it."""
 
     def __init__(self, node, topics):
-        self.mailbox = Mailbox(node.context)
+        self.mailbox = node.mailbox
         self.publishers = {topic: node.create_publisher(Header, topic, LOCKSTEP) for topic in topics}
         self.round = 0
         self.received = {topic: [] for topic in topics}
@@ -53,8 +53,7 @@ class Correspondence:
         until = time.monotonic() + PATIENCE
         while not self.complete:
             assert time.monotonic() < until
-            if not self.mailbox.fetch():
-                assert self.mailbox.wait(0.5)
+            assert self.mailbox.fetch(0.5)
 
 
 @pytest.fixture
@@ -62,7 +61,9 @@ def node():
     context = rclpy.Context()
     rclpy.init(context=context)
     made = rclpy.create_node("reader", context=context)
+    made.mailbox = Mailbox(context)
     yield made
+    made.mailbox.close()
     made.destroy_node()
     rclpy.shutdown(context=context)
 
@@ -90,9 +91,9 @@ def test_what_came_early_stays_until_it_is_wanted(node):
 
 def test_it_sleeps_no_longer_than_it_may_and_not_at_all_where_nothing_is_missing(node):
     post = Correspondence(node, ("one",))
-    assert post.mailbox.wait(0.01)
-    assert not post.mailbox.fetch()
+    assert post.mailbox.fetch(0.01)
+    assert post.received == {"one": []}
     post.write("one", 7)
     post.fetch_round()
-    assert not post.mailbox.wait(60.0)  # at once, or this test never ends
+    assert not post.mailbox.fetch(60.0)  # at once, or this test never ends
     assert post.received == {"one": [7]}

@@ -15,9 +15,11 @@ and from there on nobody waits for what it publishes. With its next message it i
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from typing import cast
 
+from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.wiring import (
     PRODUCER,
     SIMULATOR,
@@ -35,9 +37,9 @@ _FURTHEST = 2500  # ticks that a node may fall behind in real time and still cat
 
 @dataclass(slots=True)
 class _Input:
-    """One input's samples, kept until no step can need them."""
+    """Samples of one input, or of several that come in one piece, kept until no step can need them."""
 
-    topic: str
+    topics: tuple[str, ...]
     producer: str
     period: int
     at_once: bool  # True where the message of a tick is used at that tick; even a stranger is waited for
@@ -124,15 +126,31 @@ class LockStep:
         names = dict.fromkeys(topics or node.inputs.values())
         self._inputs = {name: self._input(name, present) for name in names}
         if hears_clock(node, present):
-            self._inputs[CLOCK] = _Input(CLOCK, "simulator", 1, at_once=True, foreign=False)
-        self._some_held = any(entry.held for entry in self._inputs.values())
+            self._inputs[CLOCK] = _Input((CLOCK,), SIMULATOR, 1, at_once=True, foreign=False)
+        self._entries = list(self._inputs.values())
+        self._some_held = any(entry.held for entry in self._entries)
         self._await()
+
+    def put_together(self, topics: Sequence[str]) -> None:
+        """These will come in one piece: `put` takes a tuple of their samples, under the first of them.
+
+        To be said before the first message. They are used at the same tick, and come from a node of ours.
+        """
+        first = self._inputs[topics[0]]
+        first.topics = tuple(topics)
+        for topic in topics[1:]:
+            other = self._inputs[topic]
+            if (other.producer, other.at_once, other.foreign) != (first.producer, first.at_once, False):
+                raise ConfigurationError(f"{topic} does not come in one piece with {topics[0]}")
+            self._entries.remove(other)
+            self._inputs[topic] = first
+        self._count_missing()
 
     @staticmethod
     def _input(topic: str, present: Collection[str]) -> _Input:
         producer = PRODUCER[topic]
         foreign = producer.name not in present
-        made = _Input(topic, producer.name, producer.period, is_same_tick(topic), foreign)
+        made = _Input((topic,), producer.name, producer.period, is_same_tick(topic), foreign)
         made.held = foreign and is_optional(topic)
         return made
 
@@ -149,19 +167,20 @@ class LockStep:
     @property
     def paced(self) -> bool:
         """False where nobody is waited for, since all that is heard is held."""
-        return not self._some_held or not all(entry.held for entry in self._inputs.values())
+        return not self._some_held or not all(entry.held for entry in self._entries)
 
     def missing(self) -> list[Missing]:
         """What the step of `tick` still needs."""
         return [
-            Missing(entry.topic, entry.awaited, entry.producer)
-            for entry in self._inputs.values()
+            Missing(topic, entry.awaited, entry.producer)
+            for entry in self._entries
             if entry.missing and entry.awaited is not None
+            for topic in entry.topics
         ]
 
-    def waits_for(self, topics: Iterable[str]) -> bool:
-        """Whether the step of `tick` still needs one of these."""
-        return self._missing > 0 and any(self._inputs[topic].missing for topic in topics)
+    def waits_for(self, topic: str) -> bool:
+        """Whether the step of `tick` still needs a message."""
+        return self._missing > 0 and self._inputs[topic].missing
 
     def needs(self, topic: str, tick: int) -> bool:
         """Whether a message can be used by this or a later step; false where it may be dropped unread."""
@@ -174,7 +193,7 @@ class LockStep:
         Args:
             topic: Where it came.
             tick: Its tick, None where the stamp is not on the grid of ticks.
-            sample: Its content; None for "not published at this tick".
+            sample: Its content; None for "not published at this tick". See `put_together`.
 
         Returns:
             True where it made the step of `tick` possible.
@@ -207,31 +226,28 @@ class LockStep:
 
     def take(self) -> dict[str, object]:
         """The inputs of the step of `tick`; moves on to the next one."""
-        if self._some_held:
-            values = self._with_held(self.tick - self._hold_for)
-        else:
-            values = {
-                topic: None if entry.awaited is None else entry.samples.get(entry.awaited)
-                for topic, entry in self._inputs.items()
-            }
+        held_from = self.tick - self._hold_for
+        values: dict[str, object] = {}
+        for entry in self._entries:
+            value = entry.value(held_from)
+            if entry.held and value is None and entry.newest is not None:
+                self.stale += 1
+            if len(entry.topics) == 1:
+                values[entry.topics[0]] = value
+            elif value is None:
+                values.update(dict.fromkeys(entry.topics))
+            else:
+                values.update(zip(entry.topics, cast("tuple[object, ...]", value), strict=True))
         self.tick += self._period
         self._await()
-        return values
-
-    def _with_held(self, held_from: int) -> dict[str, object]:
-        values = {topic: entry.value(held_from) for topic, entry in self._inputs.items()}
-        self.stale += sum(
-            entry.held and entry.newest is not None and values[topic] is None
-            for topic, entry in self._inputs.items()
-        )
         return values
 
     def give_up(self) -> list[Missing]:
         """Stops waiting for strangers who do not answer; motor commands are waited for all the same."""
         given_up = []
-        for entry in self._inputs.values():
+        for entry in self._entries:
             if entry.foreign and not entry.at_once and entry.missing and entry.awaited is not None:
-                given_up.append(Missing(entry.topic, entry.awaited, entry.producer))
+                given_up.append(Missing(entry.topics[0], entry.awaited, entry.producer))
                 self._hold(entry, entry.newest)
         return given_up
 
@@ -244,7 +260,7 @@ class LockStep:
 
     def leave(self, producer: str, tick: int) -> bool:
         """A node publishes nothing from a tick on; returns whether the step of `tick` is possible now."""
-        for entry in self._inputs.values():
+        for entry in self._entries:
             if entry.producer == producer and not entry.foreign and tick >= entry.begins:
                 entry.left = tick
         return self._count_missing()
@@ -261,7 +277,7 @@ class LockStep:
         """Forgets everything from before a tick: what was computed earlier is absent from now on."""
         self._origin = tick
         self.tick = -(-tick // self._period) * self._period
-        for entry in self._inputs.values():
+        for entry in self._entries:
             entry.newest = None
         self._await()
 
@@ -275,7 +291,7 @@ class LockStep:
     def _await(self) -> None:
         """Works out what the step of `tick` needs and forgets what no step needs any more."""
         tick, missing = self.tick, 0
-        for entry in self._inputs.values():
+        for entry in self._entries:
             used = tick if entry.at_once else last_period(tick, entry.period)
             if used < self._origin:
                 entry.awaited = None
@@ -290,5 +306,5 @@ class LockStep:
 
     def _count_missing(self) -> bool:
         """Counts what the step of `tick` still needs; true where that is nothing."""
-        self._missing = sum(entry.missing for entry in self._inputs.values())
+        self._missing = sum(entry.missing for entry in self._entries)
         return self._missing == 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.graph_config import RunConfig
@@ -38,7 +38,7 @@ class RunEnd:
             return time >= fallen_at + AFTER_FALL - 1e-9
         config = self._config
         carried = min(float(force[2]) for force in feet)
-        if float(np.linalg.norm(base_velocity)) > _BASE_SPEED or carried < self._least_force:
+        if math.hypot(*base_velocity.tolist()) > _BASE_SPEED or carried < self._least_force:
             self._moved_at = time
         if config.duration <= 0.0 or time < config.duration - 1e-9:
             return False

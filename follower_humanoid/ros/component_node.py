@@ -16,8 +16,9 @@ class ComponentNode(LockStepNode):
         """Args: the node's name in the wiring table."""
         super().__init__(node_wiring(name), **options)
         self._inputs = self.wiring.component_class().Inputs
+        self._topic_of = tuple(self.wiring.inputs.items())
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One step of the component."""
-        inputs = self._inputs(**{name: samples[topic] for name, topic in self.wiring.inputs.items()})
+        inputs = self._inputs(**{name: samples[topic] for name, topic in self._topic_of})
         self.publish(self.component.step(inputs, tick * self.graph.tick), tick)

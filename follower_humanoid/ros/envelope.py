@@ -67,16 +67,19 @@ class Envelope:
         """Renews the stamp [ns] of a serialised envelope."""
         _STAMP.pack_into(data, _DATA, stamp)
 
-    def front(self, data: bytes) -> tuple[int, bytes]:
-        """Stamp [ns] and table of lengths.
+    def stamp(self, data: bytes) -> int:
+        """Time of the tick [ns].
 
         Raises:
             MessageError: Not an envelope of this node.
         """
         if len(data) < self.contents:
             raise MessageError(self.name, f"{len(data)} bytes are no envelope")
-        (stamp,) = _STAMP.unpack_from(data, _DATA)
-        return stamp, data[_DATA + _STAMP.size : self.contents]
+        return int(_STAMP.unpack_from(data, _DATA)[0])
+
+    def lengths(self, data: bytes) -> bytes:
+        """The table of lengths as it is."""
+        return data[_DATA + _STAMP.size : self.contents]
 
     def open(self, data: bytes) -> tuple[int, list[bytes]]:
         """The inverse of `seal`: stamp [ns] and messages.
@@ -84,10 +87,10 @@ class Envelope:
         Raises:
             MessageError: Not an envelope of this node, or cut short.
         """
-        stamp, table = self.front(data)
+        stamp = self.stamp(data)
         messages = []
         at = self.contents
-        for length in self._lengths.unpack(table):
+        for length in self._lengths.unpack(self.lengths(data)):
             messages.append(data[at : at + length])
             at += length
         if at > len(data):

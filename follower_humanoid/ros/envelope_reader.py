@@ -8,7 +8,7 @@ goes message by message through the codecs, which know why.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,13 +64,11 @@ class _Part:
     """One message in an envelope.
 
     Attributes:
-        topic: Its topic.
         begin, end: Its bytes; empty where it is absent.
         codec: Reads it.
         blocks: Where its numbers are among all numbers; None where they are not read that way.
     """
 
-    topic: str
     begin: int
     end: int
     codec: Codec
@@ -104,30 +102,29 @@ class _Plan:
                     runs.append((begin + slot.offset, slot.count * _DOUBLE))
                     blocks.append(slice(count, count + slot.count))
                     count += slot.count
-            self._parts.append(_Part(codec.topic, begin, end, codec, blocks))
+            self._parts.append(_Part(begin, end, codec, blocks))
         self._template = np.frombuffer(template, np.uint8)
         self._fixed = np.array(fixed, dtype=np.int64).reshape(-1, 2)
         self._runs = np.array(runs, dtype=np.int64).reshape(-1, 2)
         self._count = count
 
-    def read(self, data: bytes) -> list[tuple[str, Any]]:
-        """Topics and samples; None where a message is absent.
+    def read(self, data: bytes) -> tuple[Any, ...]:
+        """The samples; None where a message is absent.
 
         Raises:
             MessageError: A message cannot be used.
         """
         numbers = np.empty(self._count)
         ours = unpack(np.frombuffer(data, np.uint8), self._template, self._fixed, self._runs, numbers)
-        read = []
+        samples: list[Any] = []
         for part in self._parts:
             if part.begin == part.end:
-                sample = None
+                samples.append(None)
             elif ours and part.blocks is not None:
-                sample = part.codec.made_of([numbers[block] for block in part.blocks])
+                samples.append(part.codec.made_of([numbers[block] for block in part.blocks]))
             else:
-                sample = part.codec.decode(data[part.begin : part.end])
-            read.append((part.topic, sample))
-        return read
+                samples.append(part.codec.decode(data[part.begin : part.end]))
+        return tuple(samples)
 
 
 class EnvelopeReader:
@@ -138,28 +135,24 @@ class EnvelopeReader:
     """
 
     def __init__(self, envelope: Envelope, codecs: Mapping[str, Codec]) -> None:
-        """Args: whose envelopes, and a codec for every topic that is wanted."""
+        """Args: whose envelopes, and a codec for every topic that is wanted, in the order of the samples."""
         self.envelope = envelope
         self._wanted = [(envelope.topics.index(topic), codec) for topic, codec in codecs.items()]
         self._plans: dict[bytes, _Plan] = {}
 
-    def read(self, data: bytes, wanted: Callable[[int], bool]) -> tuple[int, list[tuple[str, Any]]]:
-        """Stamp [ns], topics and samples; None where a message is absent.
+    def read(self, data: bytes) -> tuple[Any, ...]:
+        """The samples that are wanted; None where a message is absent.
 
         Args:
-            data: The serialised envelope.
-            wanted: Whether an envelope of a stamp [ns] is of any use; if not, nothing of it is read.
+            data: The serialised envelope, whose `stamp` has been read.
 
         Raises:
-            MessageError: Not an envelope of this node, or a message in it cannot be used.
+            MessageError: Cut short, or a message in it cannot be used.
         """
-        stamp, table = self.envelope.front(data)
-        if not wanted(stamp):
-            return stamp, []
-        plan = self._plans.get(table)
+        plan = self._plans.get(self.envelope.lengths(data))
         if plan is None or len(data) < plan.size:
             plan = self._plan(data)
-        return stamp, plan.read(data)
+        return plan.read(data)
 
     def message(self, data: bytes, topic: str) -> bytes:
         """One message as it is, of an envelope that `read` has accepted; empty where it is absent."""
@@ -170,5 +163,5 @@ class EnvelopeReader:
         if len(self._plans) >= _LARGEST_CACHE:
             self._plans.clear()
         plan = _Plan(self.envelope.contents, [len(message) for message in messages], self._wanted)
-        self._plans[self.envelope.front(data)[1]] = plan
+        self._plans[self.envelope.lengths(data)] = plan
         return plan

@@ -44,17 +44,21 @@ class Inlet:
         self._skips = node.wiring.period > 1  # a slow node leaves most messages unread
         self.mailbox = Mailbox(node.context)
         self.copies: dict[str, Callable[[bytes], None]] = {}
-        self._by_bus: dict[str, list[str]] = {}
-        self._by_envelope: dict[str, list[str]] = {}
+        by_bus: dict[str, list[str]] = {}
+        by_envelope: dict[str, list[str]] = {}
         self._by_topic: list[str] = []
         for topic in node.lock.topics:
             producer = SIMULATOR if topic == CLOCK else PRODUCER[topic].name
             if producer not in node.present or self._is_apart(topic):
                 self._by_topic.append(topic)
             elif node.bus is not None and producer in node.bus:
-                self._by_bus.setdefault(producer, []).append(topic)
+                by_bus.setdefault(producer, []).append(topic)
             else:
-                self._by_envelope.setdefault(producer, []).append(topic)
+                by_envelope.setdefault(producer, []).append(topic)
+        self._by_bus = {producer: tuple(topics) for producer, topics in by_bus.items()}
+        self._by_envelope = {producer: tuple(topics) for producer, topics in by_envelope.items()}
+        for topics in (*self._by_bus.values(), *self._by_envelope.values()):
+            node.lock.put_together(topics)
 
     def _is_apart(self, topic: str) -> bool:
         if topic in PEOPLE:  # the lock waits for the leader's copy, which only the envelope holds
@@ -70,14 +74,13 @@ class Inlet:
                 node.bus.listen(node.wiring.name, producer)
         table = nodes_with(node.present)
         for producer, topics in self._by_envelope.items():
-            wanted = {topic: codecs[topic] for topic in topics if topic != CLOCK}
-            reader = EnvelopeReader(Envelope(table[producer]), wanted)
+            reader = EnvelopeReader(Envelope(table[producer]), {t: codecs[t] for t in topics if t != CLOCK})
             topic = envelope_topic(producer, hears_slow(node.wiring, table[producer]))
             deliver = partial(self._deliver, reader, topics)
             subscription = node.make_subscription(UInt8MultiArray, topic, deliver)
             if node.bus is None:  # several nodes in one process must not wait for one another's messages
                 receive = partial(self._receive_envelope, reader, topics)
-                self.mailbox.add(subscription, receive, partial(node.lock.waits_for, topics))
+                self.mailbox.add(subscription, receive, partial(node.lock.waits_for, topics[0]))
         for topic in self._by_topic:
             if topic == CLOCK:
                 node.make_subscription(Clock, CLOCK, self._receive_clock)
@@ -94,44 +97,44 @@ class Inlet:
     ) -> bool:
         """Takes in what a node of the same process has sent; returns whether the lock is ready now."""
         self._node.come_back(tick)
-        lock, ready = self._node.lock, False
+        ready = False
         for topic in self.copies.keys() & messages.keys():
             self.copies[topic](messages[topic])
-        for topic in self._by_bus.get(producer, ()):
-            if not self._skips or lock.needs(topic, tick):
-                ready |= lock.put(topic, tick, True if topic == CLOCK else samples[topic])
+        if topics := self._by_bus.get(producer):
+            ready = self._put(topics, tick, lambda: tuple(samples[topic] for topic in topics))
         return ready
 
-    def _deliver(self, reader: EnvelopeReader, topics: list[str], data: bytes) -> None:
+    def _deliver(self, reader: EnvelopeReader, topics: tuple[str, ...], data: bytes) -> None:
         if self._receive_envelope(reader, topics, data):
             self._node.run_ready_steps()
 
-    def _receive_envelope(self, reader: EnvelopeReader, topics: list[str], data: bytes) -> bool:
+    def _receive_envelope(self, reader: EnvelopeReader, topics: tuple[str, ...], data: bytes) -> bool:
         """Takes in an envelope; returns whether the lock is ready now."""
-        node, lock = self._node, self._node.lock
-
-        def of_use(stamp: int) -> bool:
+        node = self._node
+        try:
+            stamp = reader.envelope.stamp(data)
             tick, rest = divmod(stamp, node.tick_ns)
             if rest:
                 raise MessageError(reader.envelope.name, f"stamp {stamp} ns is no tick")
             node.come_back(tick)
-            return not self._skips or any(lock.needs(topic, tick) for topic in topics)
-
-        try:
-            stamp, samples = reader.read(data, of_use)
-            ready, tick = False, stamp // node.tick_ns
-            for topic in self.copies:
-                if topic in topics and (message := reader.message(data, topic)):
+            ready = self._put(topics, tick, lambda: reader.read(data))
+            for topic in self.copies.keys() & topics if self.copies else ():
+                if message := reader.message(data, topic):
                     self.copies[topic](message)
         except MessageError as error:
             node.reject(error)
             return False
-        for topic, sample in samples:
-            if not self._skips or lock.needs(topic, tick):
-                ready |= lock.put(topic, tick, sample)
-        if CLOCK in topics and lock.needs(CLOCK, tick):
-            ready |= lock.put(CLOCK, tick, True)
         return ready
+
+    def _put(self, topics: tuple[str, ...], tick: int, samples: Callable[[], tuple[Any, ...]]) -> bool:
+        """Puts what came in one piece into the lock; returns whether it is ready now."""
+        lock = self._node.lock
+        if self._skips and not lock.needs(topics[0], tick):
+            return False
+        if topics[0] == CLOCK:
+            return lock.put(CLOCK, tick, True)
+        values = samples()
+        return lock.put(topics[0], tick, values if len(topics) > 1 else values[0])
 
     def _receive(self, topic: str, decode: Any, data: bytes) -> None:
         node = self._node

@@ -200,11 +200,11 @@ class LockStepNode(ManagedNode):
         return _SHORT_REST if self.inlet.mailbox.subscriptions else super().rest()
 
     def attend(self, seconds: float) -> bool:
-        """Takes in what others have sent and steps, or waits for it."""
-        if self.inlet.mailbox.fetch():
+        """Waits for what others send, takes it in and steps."""
+        attended = self.inlet.mailbox.fetch(seconds)
+        if attended:
             self.run_ready_steps()
-            return True
-        return self.inlet.mailbox.wait(seconds)
+        return attended
 
     def _receive_reset(self, data: bytes) -> None:
         self.reset_at = stamp_of(data) // self.tick_ns
@@ -306,6 +306,7 @@ class LockStepNode(ManagedNode):
     def finish(self) -> None:
         """Takes no further step."""
         self.idle = False
+        self.inlet.mailbox.close()
         super().finish()
 
     def _cpu_per_tick(self) -> float:

@@ -47,6 +47,7 @@ class Mailbox:
         self._boxes: list[_Box] = []
         self._last: _Box | None = None
         self._waiting: Any = None
+        self._held = ExitStack()
 
     def add(
         self, subscription: Any, receive: Callable[[bytes], bool], missing: Callable[[], bool]
@@ -58,43 +59,48 @@ class Mailbox:
             receive: Takes a message in; returns whether it was the last one that was missing.
             missing: Whether one of its messages is waited for.
         """
+        if self._waiting is not None:
+            raise RuntimeError("a subscription was added to a mailbox in use")
         self.subscriptions.append(subscription)
         self._boxes.append(_Box(subscription.handle, subscription.msg_type, receive, missing))
 
-    def fetch(self) -> bool:
-        """Takes what is there of what is missing; returns whether there was anything."""
-        found = False
-        for box in self._boxes:
-            if not box.missing():
-                continue
-            with box.handle:
-                while (taken := box.handle.take_message(box.message_type, True)) is not None:
-                    found = True
-                    if box.receive(taken[0]):
-                        self._last = box
-                    if not box.missing():
-                        break
-        return found
+    def fetch(self, seconds: float) -> bool:
+        """Sleeps until something that is missing is there, then takes all that is there of what is missing.
 
-    def wait(self, seconds: float) -> bool:
-        """Sleeps until what is missing may be there; returns False at once where nothing is."""
+        Args:
+            seconds: The longest that it sleeps [s].
+
+        Returns:
+            False at once where nothing is missing.
+        """
         missing = [box for box in self._boxes if box.missing()]
         if not missing:
             return False
-        box = self._last if self._last in missing else missing[0]
-        if self._waiting is None:
-            self._waiting = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, self._context.handle)
-        with ExitStack() as held:
-            held.enter_context(self._waiting)
-            held.enter_context(box.handle)
-            self._waiting.clear_entities()
-            self._waiting.add_subscription(box.handle)
-            self._waiting.wait(round(seconds * NANOSECONDS))
+        awaited = self._last if self._last in missing else missing[0]
+        waiting = self._wait_set()
+        waiting.clear_entities()
+        waiting.add_subscription(awaited.handle)
+        waiting.wait(round(seconds * NANOSECONDS))
+        for box in missing:
+            while (taken := box.handle.take_message(box.message_type, True)) is not None:
+                if box.receive(taken[0]):
+                    self._last = box
+                if not box.missing():
+                    break
         return True
 
+    def _wait_set(self) -> Any:
+        if self._waiting is None:
+            self._waiting = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, self._context.handle)
+            self._held.enter_context(self._waiting)
+            for box in self._boxes:
+                self._held.enter_context(box.handle)
+        return self._waiting
+
     def close(self) -> None:
-        """Waits no more."""
+        """Lets go of the subscriptions; nothing is fetched any more."""
         self._boxes.clear()
+        self._held.close()
         if self._waiting is not None:
             self._waiting.destroy_when_not_in_use()
             self._waiting = None

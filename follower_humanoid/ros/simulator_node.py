@@ -187,7 +187,8 @@ class SimulatorNode(LockStepNode):
 
     def _note_voltages(self, inputs: Any) -> None:
         commands = [command for command in (inputs.legs, inputs.arms) if command is not None]
-        peak = max((float(abs(command.effort).max()) for command in commands), default=0.0)
+        volts = [volt for command in commands for volt in command.effort.tolist()]
+        peak = max(max(volts), -min(volts)) if volts else 0.0
         self._peak_voltage = max(self._peak_voltage, peak)
         self._saturated += peak >= self.component.plant.motors.voltage_limit
 
