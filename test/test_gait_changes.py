@@ -153,3 +153,20 @@ def test_the_zmp_has_more_room_on_both_feet_less_the_nearer_the_lift_off_and_non
     assert ROOM.reach(0.0, 3.0) == pytest.approx(0.03, rel=1e-3)
     assert ROOM.reach(0.0, 0.0) == 0.0
     assert np.all(np.diff([ROOM.reach(time, time + 1.0) for time in np.linspace(0.01, 0.5, 20)]) >= 0.0)
+
+
+@pytest.mark.parametrize("moment", [0.0, 0.2, 0.4])
+def test_marching_in_place_ends_with_a_closing_step_and_the_zmp_inside(moment: float) -> None:
+    robot = IdealRobot(dt=DT)
+    robot.run(4.0 + moment, lambda time: replace(AHEAD, step_length=0.0))
+    walker = robot.composition._motion.walker
+    taken, margin = len(walker.taken), math.inf
+    while walker.half_step is not None:
+        robot.tick(STAND)
+        margin = min(margin, polygon_margin(walker.support(), robot.composition._motion.pendulum.state.zmp))
+    assert margin > 0.0
+    assert [counted for _, counted in walker.taken[taken:]][-1] is False
+    for _ in range(200):
+        robot.tick(STAND)
+        margin = min(margin, polygon_margin(walker.support(), robot.composition._motion.pendulum.state.zmp))
+    assert margin > 0.0

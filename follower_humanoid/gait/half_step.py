@@ -80,6 +80,11 @@ class HalfStep:
         self.duration = 1.0
 
     @property
+    def first(self) -> bool:
+        """Whether it begins out of standing."""
+        return self._shortest_transfer > 0.0
+
+    @property
     def phase(self) -> Phase:
         """The present phase."""
         return self._phases[self._index]

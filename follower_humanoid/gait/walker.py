@@ -26,6 +26,7 @@ from follower_humanoid.gait.step_planner import StepPlanner
 from follower_humanoid.gait.walk_plan import Plan, WalkerConfig
 
 TOGETHER = 0.03  # feet closer than this to their places side by side stand together [m], [rad/3]
+COMMITTED = 0.75  # part of the first double support after which the body goes on to its stance foot
 
 
 class Walker:
@@ -228,7 +229,8 @@ class Walker:
         landed = half.swing.side
         self.feet[landed] = self.landing
         self.taken.append((self.landing, not half.closing))
-        if gait.walk_speed == 0.0 and self._together():
+        # A step that was not meant to be the last has left the body in motion: a closing one follows.
+        if gait.walk_speed == 0.0 and half.closing and self._together():
             self._stand()
         else:
             self._begin(landed.other, gait, toes)
@@ -242,8 +244,8 @@ class Walker:
     def gives_up(self, gait: Gait) -> bool:
         """Asked to stop before the first foot has left the ground."""
         half = self.half_step
-        waiting = half is not None and not half.single_support and gait.walk_speed == 0.0
-        return waiting and self._together()
+        turns_back = half is not None and half.first and not half.single_support and half.progress < COMMITTED
+        return turns_back and gait.walk_speed == 0.0
 
     def _together(self) -> bool:
         left, right = self.feet[Side.LEFT], self.feet[Side.RIGHT]
