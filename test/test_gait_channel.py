@@ -141,3 +141,27 @@ def test_channels_keep_no_hand_on_the_callers_arrays() -> None:
         channel.advance(target, 0.0, DT)
         target[0], start[0] = 9.0, 9.0
         assert channel.position[0] == 2.0
+
+
+@pytest.mark.parametrize("longer", [1.0, 2.0, 5.0])
+@pytest.mark.parametrize("part", [0.2, 0.5, 0.7])
+def test_given_more_time_under_way_it_does_not_swing_out_beyond_its_target(
+    part: float, longer: float
+) -> None:
+    channel, target = MinimumJerkChannel(np.zeros(2)), np.array([1.0, 0.1])
+    for tick in range(round(part / DT)):
+        channel.advance(target, 1.0 - tick * DT, DT)
+    path = drive(channel, longer, lambda t: target)
+    assert path[:, 0, 0].max() < 1.0 + 1e-9
+    np.testing.assert_allclose(channel.position, target, atol=1e-9)
+    assert np.abs(path[:, 2]).max() < 7.0  # the whole way in 1 s takes 5.8 m/s²
+    assert np.abs(np.diff(path[:, 2], axis=0)).max() < 0.5
+
+
+def test_sent_back_to_where_it_is_just_passing_it_stops_gently() -> None:
+    channel = MinimumJerkChannel(np.zeros(1))
+    channel.velocity = np.array([1.0])
+    target = np.array([0.001])
+    path = drive(channel, 2.0, lambda t: target)
+    np.testing.assert_allclose(channel.position, target, atol=1e-9)
+    assert np.abs(path[:, 2]).max() < 40.0

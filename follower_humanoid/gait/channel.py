@@ -7,6 +7,8 @@ target or a duration may change at any instant without a jump.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from follower_humanoid.core.kernel import kernel
@@ -41,6 +43,50 @@ def along_quintic(
     return state
 
 
+GENTLY = 0.2  # a stop takes at least this times the speed: some 10 m/s² [s²/m], [s²/rad]
+
+
+@kernel("float64(float64[::1], float64[::1], float64[::1], float64[::1], float64)")
+def time_not_beyond(position: Array, velocity: Array, acceleration: Array, target: Array, T: float) -> float:
+    """The time T, or less where the quintic of `along_quintic` would go beyond its target and come back.
+
+    A coordinate under way that is given more time would otherwise swing out. With the gap D to the target,
+    v and a along it, x⃛(T) ≥ 0 asks for 30 D − 12 v T − 1.5 a T² ≥ 0: times up to the first root.
+    """
+    D = v = a = 0.0
+    for i in range(len(position)):
+        D += (target[i] - position[i]) ** 2
+    D = max(math.sqrt(D), 1e-9)
+    for i in range(len(position)):
+        along = (target[i] - position[i]) / D
+        v += along * velocity[i]
+        a += along * acceleration[i]
+    inner = 144.0 * v**2 + 180.0 * a * D
+    if inner < 0.0:
+        return T  # it slows down before the target by itself
+    outer = 12.0 * v + math.sqrt(inner)
+    if outer < 1e-9:
+        return T
+    # The first root, in the form that needs no division by a.
+    soon = 60.0 * D / outer
+    return min(T, max(soon, GENTLY * v))
+
+
+SAMPLES = 8  # of an acceleration that has its extremes in between
+
+
+@kernel("float64(float64[::1], float64[::1], float64[::1], float64[::1], float64)")
+def hardest_on_quintic(
+    position: Array, velocity: Array, acceleration: Array, target: Array, T: float
+) -> float:
+    """Largest acceleration still to come along the quintic of `along_quintic`, its start left out."""
+    largest = 0.0
+    for n in range(1, SAMPLES):
+        to_come = along_quintic(position, velocity, acceleration, target, T, T * n / SAMPLES)[2]
+        largest = max(largest, math.sqrt(np.sum(to_come**2)))
+    return largest
+
+
 class MinimumJerkChannel:
     """A coordinate that reaches its target at rest along the quintic of least jerk (Flash & Hogan 1985).
 
@@ -65,12 +111,23 @@ class MinimumJerkChannel:
             remaining: Time until the target must be reached [s].
             dt: Tick [s].
         """
+        remaining = self._time_to(target, remaining)
         if remaining <= dt:
             self.reset(target)
             return
         self.position, self.velocity, self.acceleration = along_quintic(
             self.position, self.velocity, self.acceleration, target, remaining, dt
         )
+
+    def effort(self, target: Array, remaining: float) -> float:
+        """Largest acceleration on the way to a target that must be reached in `remaining` [s]."""
+        if remaining <= 0.0:
+            return 0.0
+        time = self._time_to(target, remaining)
+        return float(hardest_on_quintic(self.position, self.velocity, self.acceleration, target, time))
+
+    def _time_to(self, target: Array, remaining: float) -> float:
+        return float(time_not_beyond(self.position, self.velocity, self.acceleration, target, remaining))
 
     def hold(self, dt: float, settling: float = 0.05) -> None:
         """No primitive owns the channel: what speed is left fades within `settling` [s]."""

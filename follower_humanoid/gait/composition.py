@@ -29,12 +29,11 @@ from follower_humanoid.core.samples import (
 from follower_humanoid.gait.feet import FootPose, half_step_length
 from follower_humanoid.gait.limits import limited
 from follower_humanoid.gait.motion_config import CompositionConfig
-from follower_humanoid.gait.reference_motion import ReferenceMotion
+from follower_humanoid.gait.reference_motion import STANDING, ReferenceMotion
 from follower_humanoid.gait.sequence import load_sequence
 from follower_humanoid.gait.walker import Walker
 from follower_humanoid.robot.model import RobotModel
 
-STANDING = Gait(walk_speed=0.0, walk_dir=0.0, step_length=1.0, step_height=1.0, heading=0.0)
 SHOWN_STEPS = 8  # taken footsteps that stay in the message
 
 
@@ -92,7 +91,7 @@ class MotionComposition:
             feet = {side: self._measured_foot(side, q) for side in SIDES}
             self._motion = ReferenceMotion(self._config, self._robot, self._sequence, feet, q)
         motion, walker = self._motion, self._motion.walker
-        gait = self._limited(inputs.gait)
+        gait = motion.within_reach(self._limited(inputs.gait))
         loads = {Side.LEFT: float(inputs.left_foot.force[2]), Side.RIGHT: float(inputs.right_foot.force[2])}
         dcm = None if inputs.dcm is None else inputs.dcm.xyz[:2]
         landed = walker.step(gait, loads, motion.body.toes, motion.steady, self._period)

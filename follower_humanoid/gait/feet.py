@@ -10,6 +10,8 @@ import numpy as np
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Array, Gait, Side
 
+HEEL_TOE, EDGES = (-0.06, 0.14), (-0.045, 0.045)  # what a sole can use, from its origin [m]
+
 
 @dataclass(frozen=True, slots=True)
 class FootPose:
@@ -96,6 +98,11 @@ def landing_pose(stance: FootPose, gait: Gait, config: FootstepConfig) -> FootPo
 def half_step_length(landed: FootPose, stance: FootPose) -> float:
     """Distance of the two sole origins along the heading of the foot that landed [m]."""
     return (landed.x - stance.x) * math.cos(landed.yaw) + (landed.y - stance.y) * math.sin(landed.yaw)
+
+
+def sole_corners(foot: FootPose) -> list[Array]:
+    """Corners of what a sole can use, in world, shape (2,) each [m]."""
+    return [foot.point(x, y) for x in HEEL_TOE for y in EDGES]
 
 
 def midpoint(left: FootPose, right: FootPose, forward: float) -> Array:

@@ -80,6 +80,11 @@ class HalfStep:
         self.duration = 1.0
 
     @property
+    def first(self) -> bool:
+        """Whether it begins out of standing."""
+        return self._shortest_transfer > 0.0
+
+    @property
     def phase(self) -> Phase:
         """The present phase."""
         return self._phases[self._index]
@@ -157,6 +162,26 @@ class HalfStep:
             part = swing if phase.single_support else transfer
             part += phase_zmp_plan(phase, begin, context, self._phase_time(phase, duration))
         return transfer, swing
+
+    def swing_effort(self, context: StepContext, duration: float) -> tuple[float, float]:
+        """How hard the foot in the air must accelerate to its landing: over the ground, about the vertical.
+
+        Args:
+            context: The landing asked for.
+            duration: Time of the half-step asked for [s].
+
+        Returns:
+            Largest accelerations [m/s²], [rad/s²]; 0 before lift-off, when every landing is as near.
+        """
+        efforts = {"swing_place": 0.0, "swing_attitude": 0.0}
+        if self.single_support:
+            phase_time = self._phase_time(self.phase, duration)
+            for primitive in self.phase.primitives:
+                if primitive.channel in efforts and primitive.active(self.progress):
+                    remaining = (primitive.end - self.progress) * phase_time
+                    channel = self.swing.channels[primitive.channel]
+                    efforts[primitive.channel] = channel.effort(primitive.target(context), remaining)
+        return efforts["swing_place"], efforts["swing_attitude"]
 
     def _finished(self, number: int, primitive: Primitive, context: StepContext) -> bool:
         """Whether a primitive's work is done; late in its window for good: a foot may bounce."""

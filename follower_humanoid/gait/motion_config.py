@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.gait.capture import CaptureConfig
+from follower_humanoid.gait.changes import ChangesConfig
 from follower_humanoid.gait.feet import FootstepConfig
 from follower_humanoid.gait.limits import GaitLimits
 from follower_humanoid.gait.walk_plan import WalkerConfig
@@ -37,5 +38,6 @@ class CompositionConfig:
     walker: WalkerConfig = field(default_factory=WalkerConfig)
     footsteps: FootstepConfig = field(default_factory=FootstepConfig)
     limits: GaitLimits = field(default_factory=GaitLimits)
+    changes: ChangesConfig = field(default_factory=ChangesConfig)
     capture: CaptureConfig = field(default_factory=CaptureConfig)
     body: BodyConfig = field(default_factory=BodyConfig)

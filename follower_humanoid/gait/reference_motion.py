@@ -9,7 +9,8 @@ import numpy as np
 from follower_humanoid.balance.support_polygon import convex_hull, polygon_margin
 from follower_humanoid.core.samples import Array, Gait, Side
 from follower_humanoid.gait.capture import capture
-from follower_humanoid.gait.feet import FootPose
+from follower_humanoid.gait.changes import GaitChanges, ZmpRoom
+from follower_humanoid.gait.feet import FootPose, sole_corners
 from follower_humanoid.gait.motion_config import CompositionConfig
 from follower_humanoid.gait.pendulum import ReferencePendulum, momentum_shift, natural_frequency
 from follower_humanoid.gait.preview import planned_dcm
@@ -19,7 +20,7 @@ from follower_humanoid.gait.walker import Walker
 from follower_humanoid.gait.whole_body import ReferenceBody
 from follower_humanoid.robot.model import RobotModel
 
-HEEL_TOE, EDGES = (-0.06, 0.14), (-0.045, 0.045)  # what a sole can use, from its origin [m]
+STANDING = Gait(walk_speed=0.0, walk_dir=0.0, step_length=1.0, step_height=1.0, heading=0.0)
 HELD = 0.02  # a DCM this far inside the feet can be held by the ZMP [m]
 NEAR = 0.9  # part of the tolerance within which the horizon of the preview makes no difference
 RECOVERED = 0.5  # recovery ends when the DCM error is below this part of what began it
@@ -51,6 +52,15 @@ class ReferenceMotion:
         self.walker = Walker(config.walker, config.footsteps, sequence, feet, com)
         self.pendulum = ReferencePendulum(com)
         self.steady = True
+        self._changes = GaitChanges(config.changes, STANDING, config.walker.preview)
+
+    def within_reach(self, wanted: Gait) -> Gait:
+        """Of the walking parameters asked for, what the walk can follow in this tick."""
+        config, ik = self._config, self.body.ik
+        omega = natural_frequency(float(ik.com[2]))
+        dcm = self.pendulum.state.dcm + omega * momentum_shift(ik.angular_momentum, self._mass)
+        room = ZmpRoom(omega, config.dcm_convergence, config.zmp_reach, config.zmp_reach_double)
+        return self._changes.step(wanted, self.walker, dcm, room)
 
     def advance(self, gait: Gait, dcm: Array | None, dt: float) -> tuple[FootPose, ...]:
         """One tick after the walker's.
@@ -114,5 +124,5 @@ class ReferenceMotion:
 
     def _held_by_feet(self, dcm: Array) -> bool:
         """Whether the feet on the ground can hold the DCM where it is."""
-        corners = [foot.point(x, y) for foot in self.walker.feet.values() for x in HEEL_TOE for y in EDGES]
+        corners = [corner for foot in self.walker.feet.values() for corner in sole_corners(foot)]
         return polygon_margin(convex_hull(np.array(corners)), dcm) > HELD

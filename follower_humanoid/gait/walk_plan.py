@@ -14,7 +14,7 @@ class WalkerConfig:
     """Timing and the choices between two half-steps."""
 
     half_step_time: float = parameter(3.1, "nominal half-step time (walk_speed = step_length)", "s", 0.3, 10)
-    shortest_half_step: float = parameter(0.4, "no half-step is made faster than this", "s", 0.2, 3)
+    shortest_half_step: float = parameter(0.5, "no half-step is made faster than this", "s", 0.2, 3)
     swing_height: float = parameter(
         0.05, "nominal height of the swing foot (step_height = 1)", "m", 0.01, 0.2
     )

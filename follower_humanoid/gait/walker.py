@@ -4,28 +4,29 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
-from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Gait, Side
+from follower_humanoid.balance.support_polygon import convex_hull
+from follower_humanoid.core.samples import Array, ContactPlan, Gait, Side
 from follower_humanoid.gait.capture import Capture, SwingOutlook, shifted
 from follower_humanoid.gait.channel import ConstantSpeedChannel
 from follower_humanoid.gait.feet import (
     FootPose,
     FootstepConfig,
     beside,
-    landing_pose,
     mean_yaw,
-    midpoint,
+    sole_corners,
     wrap_angle,
 )
-from follower_humanoid.gait.half_step import HalfStep, SwingFoot, phase_zmp_plan
-from follower_humanoid.gait.primitives import StepContext
+from follower_humanoid.gait.half_step import HalfStep, SwingFoot
+from follower_humanoid.gait.load_shares import LoadShares
 from follower_humanoid.gait.sequence import Sequence
+from follower_humanoid.gait.step_planner import StepPlanner
 from follower_humanoid.gait.walk_plan import Plan, WalkerConfig
 
 TOGETHER = 0.03  # feet closer than this to their places side by side stand together [m], [rad/3]
+COMMITTED = 0.75  # part of the first double support after which the body goes on to its stance foot
 
 
 class Walker:
@@ -58,11 +59,11 @@ class Walker:
         self.half_step: HalfStep | None = None
         self.landing: FootPose | None = None
         self.zmp = ConstantSpeedChannel(zmp)
-        self.shares = dict.fromkeys(SIDES, 1.0)
+        self._loads = LoadShares()
+        self.shares = self._loads.of
         self.taken: list[tuple[FootPose, bool]] = []
         self._stand_remaining = config.stand_time
-        # Asked for again and again while nothing changes.
-        self._landing_pose = lru_cache(maxsize=16)(landing_pose)
+        self._planner = StepPlanner(config, footsteps, sequence)
         self._pace = Gait(1.0, 0.0, 1.0, 1.0, 0.0)
 
     @property
@@ -90,21 +91,21 @@ class Walker:
             self._pace = gait
         if self.half_step is None and gait.walk_speed > 0.0:
             self._begin(self._first_swing(gait), gait, toes, self._config.first_transfer)
-        if self._may_give_up(gait):
+        if self.gives_up(gait):
             self._stand()
         half = self.half_step
         if half is None or self.landing is None:
-            self.zmp.advance(self._rest_point(self.feet), max(self._stand_remaining, dt), dt)
+            self.zmp.advance(self._planner.rest_point(self.feet), max(self._stand_remaining, dt), dt)
             self._stand_remaining -= dt
             self._share_load(None, math.inf, dt)
             return None
         if half.swing_progress < self._config.freeze:
             half.closing = gait.walk_speed == 0.0
-            self.landing = shifted(self._landing(half.stance, gait), self.shift)
+            self.landing = self._aim(half, gait)
         if self._waits(half, steady, dt):
             self._share_load(None, math.inf, dt)
             return None
-        context = self._context(half.stance, self.landing, gait, loads)
+        context = self._planner.context(half.stance, self.landing, gait, loads)
         ended = half.advance(context, self.zmp, self._duration(), dt) or self._touches(half, loads)
         self._share_load(half.swing.side, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
@@ -173,37 +174,35 @@ class Walker:
 
     def plan_ahead(self, gait: Gait) -> Plan:
         """The ZMP from now on, and the feet it will stand on."""
-        half, feet = self.half_step, dict(self.feet)
+        half = self.half_step
         if half is None or self.landing is None:
-            return Plan([(self._rest_point(feet), max(self._stand_remaining, 1e-3))])
-        duration = self._duration()
-        context = self._context(half.stance, self.landing, gait, {})
-        transfer, swing = half.zmp_plan(context, duration)
-        legs = transfer + swing
-        landing = len(legs)
-        lift_off, lifting = len(transfer), None if half.single_support else feet[half.swing.side]
-        coming = [self.landing]
-        feet[self.landing.side] = self.landing
-        time, closing = sum(leg[1] for leg in legs), half.closing
-        while time < self._config.preview and not (gait.walk_speed == 0.0 and closing):
-            closing = gait.walk_speed == 0.0
-            stance = coming[-1]
-            place = self._landing(stance, gait)
-            context = self._context(stance, place, gait, {})
-            for phase in self._sequence.phases:
-                if phase.single_support and lifting is None:
-                    lift_off, lifting = len(legs), feet[place.side]
-                legs += phase_zmp_plan(phase, 0.0, context, self._sequence.phase_time(phase, duration))
-            time += duration
-            coming.append(place)
-            feet[place.side] = place
-        if closing:
-            legs.append((self._rest_point(feet), self._config.stand_time))
-        return Plan(legs, landing, lift_off, lifting, tuple(coming))
+            return Plan([(self._planner.rest_point(self.feet), max(self._stand_remaining, 1e-3))])
+        return self._planner.plan(half, self.feet, gait, self.landing, half.closing, self._duration())
+
+    def plan_with(self, gait: Gait) -> Plan:
+        """What the plan would be if these were the walking parameters from now on."""
+        half = self.half_step
+        if half is None or self.landing is None:
+            return self.plan_ahead(gait)
+        place, closing, duration = self._with(half, self.landing, gait)
+        return self._planner.plan(half, self.feet, gait, place, closing, duration)
+
+    def swing_effort(self, gait: Gait) -> tuple[float, float]:
+        """How hard the foot in the air must accelerate with these walking parameters, see `HalfStep`."""
+        half = self.half_step
+        if half is None or self.landing is None:
+            return 0.0, 0.0
+        place, _, duration = self._with(half, self.landing, gait)
+        return half.swing_effort(self._planner.context(half.stance, place, gait, {}), duration)
+
+    def support(self) -> Array:
+        """Support polygon by plan, counter-clockwise, shape (n, 2) [m]."""
+        feet = [foot for side, foot in self.feet.items() if side is not self.swinging]
+        return convex_hull(np.array([corner for foot in feet for corner in sole_corners(foot)]))
 
     def contacts(self) -> ContactPlan:
         """Planned shares of the weight."""
-        return ContactPlan(left=self.shares[Side.LEFT], right=self.shares[Side.RIGHT])
+        return self._loads.contacts()
 
     def heading(self) -> float:
         """Yaw between the two feet, the swing foot's own while it turns [rad]."""
@@ -221,7 +220,7 @@ class Walker:
         foot = SwingFoot(self.feet[swing], toes[swing])
         closing = gait.walk_speed == 0.0
         self.half_step = HalfStep(self._sequence, stance, foot, closing, shortest_transfer)
-        self.landing = self._landing(stance, gait)
+        self.landing = self._planner.landing(stance, gait)
 
     def _land(self, gait: Gait, toes: dict[Side, float]) -> Side:
         half = self.half_step
@@ -230,7 +229,8 @@ class Walker:
         landed = half.swing.side
         self.feet[landed] = self.landing
         self.taken.append((self.landing, not half.closing))
-        if gait.walk_speed == 0.0 and self._together():
+        # A step that was not meant to be the last has left the body in motion: a closing one follows.
+        if gait.walk_speed == 0.0 and half.closing and self._together():
             self._stand()
         else:
             self._begin(landed.other, gait, toes)
@@ -241,11 +241,11 @@ class Walker:
         self.landing = None
         self._stand_remaining = self._config.stand_time
 
-    def _may_give_up(self, gait: Gait) -> bool:
+    def gives_up(self, gait: Gait) -> bool:
         """Asked to stop before the first foot has left the ground."""
         half = self.half_step
-        waiting = half is not None and not half.single_support and gait.walk_speed == 0.0
-        return waiting and self._together()
+        turns_back = half is not None and half.first and not half.single_support and half.progress < COMMITTED
+        return turns_back and gait.walk_speed == 0.0
 
     def _together(self) -> bool:
         left, right = self.feet[Side.LEFT], self.feet[Side.RIGHT]
@@ -259,26 +259,19 @@ class Walker:
         aside = math.sin(gait.walk_dir - heading) + wrap_angle(gait.heading - heading)
         return Side.LEFT if aside > 0.05 else Side.RIGHT
 
-    def _landing(self, stance: FootPose, gait: Gait) -> FootPose:
-        if gait.walk_speed == 0.0:
-            return beside(stance, self._footsteps)
-        return self._landing_pose(stance, gait, self._footsteps)
+    def _with(self, half: HalfStep, landing: FootPose, gait: Gait) -> tuple[FootPose, bool, float]:
+        """Landing, whether it closes and time [s] of the present half-step with these walking parameters."""
+        duration = self._planner.duration(gait if gait.walk_speed > 0.0 else self._pace)
+        if half.swing_progress >= self._config.freeze:
+            return landing, half.closing, duration
+        return self._aim(half, gait), gait.walk_speed == 0.0, duration
+
+    def _aim(self, half: HalfStep, gait: Gait) -> FootPose:
+        """Where the present half-step goes, what catches a push included."""
+        return shifted(self._planner.landing(half.stance, gait), self.shift)
 
     def _duration(self) -> float:
-        time = self._config.half_step_time * self._pace.step_length / self._pace.walk_speed
-        return max(time, self._config.shortest_half_step)
-
-    def _rest_point(self, feet: dict[Side, FootPose]) -> Array:
-        return midpoint(feet[Side.LEFT], feet[Side.RIGHT], self._config.stand_forward)
-
-    def _context(
-        self, stance: FootPose, landing: FootPose, gait: Gait, loads: dict[Side, float]
-    ) -> StepContext:
-        return StepContext(
-            stance=stance, landing=landing, gait=gait, swing_height=self._config.swing_height,
-            swing_load=loads.get(landing.side, 0.0),
-            touchdown_load=self._config.touchdown_load,
-        )  # fmt: skip
+        return self._planner.duration(self._pace)
 
     @property
     def _load_time(self) -> float:
@@ -286,10 +279,4 @@ class Walker:
         return config.hurried_load_time if self.recovering else config.load_time
 
     def _share_load(self, leaving: Side | None, until_lift: float, dt: float) -> None:
-        """A foot takes and leaves its load over `load_time`; in the air it has none."""
-        ramp = max(self._load_time, dt)
-        for side in SIDES:
-            goal = 0.0 if side is leaving and until_lift <= ramp else 1.0
-            change = min(max(goal - self.shares[side], -dt / ramp), dt / ramp)
-            in_air = side is self.swinging
-            self.shares[side] = 0.0 if in_air else self.shares[side] + change
+        self._loads.advance(leaving, until_lift, self.swinging, self._load_time, dt)
