@@ -12,7 +12,7 @@ from follower_humanoid.bag.reader import read_run
 from follower_humanoid.core.config import build
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.faults.files import tried_files
-from follower_humanoid.faults.hostile_files import KINDS, HostileBag
+from follower_humanoid.faults.hostile_files import KINDS, HostileBag, HostileUrdf
 from follower_humanoid.gait.composition import MotionComposition
 from follower_humanoid.graph.resimulate import Repetition, repeatable
 from follower_humanoid.graph.simulate import simulate
@@ -56,6 +56,9 @@ def test_a_relative_path_in_a_parameter_stays_in_its_folder(path):
         ("", "malformed"),
         ("<robot><link name='a'><inertial><mass value='nan'/></inertial></link></robot>", "mass value"),
         ("<robot><limit lower='1e300'/></robot>", "limit lower"),
+        ("<robot><link name='a&#10;b'/></robot>", "without spaces"),
+        ("<robot><joint name='a\n\nb'/></robot>", "without spaces"),
+        ("<robot><joint name='a'><child link='a\tb'/></joint></robot>", "without spaces"),
         ("<robot><mesh filename='/etc/passwd'/></robot>", "outside its own folder"),
         ("<robot><mesh filename='a/../../b.stl'/></robot>", "outside its own folder"),
         ("x" * 3_000_000, "larger than"),
@@ -72,6 +75,16 @@ def test_a_hostile_robot_description_is_refused_in_one_line(tmp_path, text, reas
 def test_a_device_is_no_robot_description():
     with pytest.raises(ConfigurationError, match="not a file"):
         RobotModel("/dev/zero")
+
+
+def test_soles_that_carry_nothing_are_refused_in_words(tmp_path):
+    # A leg is moved off to the side by a displaced origin: what the springs need has no solution then.
+    path = tmp_path / "robot.urdf"
+    hostile = HostileUrdf(tmp_path)
+    path.write_bytes(hostile.content(2283, random.Random("URDF 7 2283")))
+    with pytest.raises(ConfigurationError) as error:
+        hostile.read(path)
+    assert "\n" not in str(error.value)
 
 
 def test_a_simulator_that_cannot_begin_leaves_no_physics_server(monkeypatch):

@@ -6,11 +6,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, UInt8MultiArray
 
-from follower_humanoid.core.cdr import stamp_of
+from follower_humanoid.core.cdr import HEADER, STAMP_SIZE, stamp_of, text_of
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nodes_with
 from follower_humanoid.ros.barrier import Barrier
@@ -108,21 +107,30 @@ class Inlet:
             tick, rest = divmod(stamp, node.tick_ns)
             if rest:
                 raise MessageError(envelope.name, f"stamp {stamp} ns is no tick")
-            node.come_back(tick)
             lock, ready = node.lock, False
-            for topic, index, decode in parts:
-                message = messages[index]
-                if topic in self.copies and message:
-                    self.copies[topic](message)
-                if not self._skips or lock.needs(topic, tick):
-                    ready |= lock.put(topic, tick, decode(message) if message else None)
+            # All of it or nothing: what lies beside something unusable is not to be relied on.
+            samples = [
+                (topic, decode(messages[index]) if messages[index] else None)
+                for topic, index, decode in parts
+                if not self._skips or lock.needs(topic, tick)
+            ]
         except MessageError as error:
             node.reject(error)
             return
+        node.come_back(tick)
+        if self.copies:
+            self._copy(parts, messages)
+        for topic, sample in samples:
+            ready |= lock.put(topic, tick, sample)
         if with_clock and lock.needs(CLOCK, tick):
             ready |= lock.put(CLOCK, tick, True)
         if ready:
             node.run_ready_steps()
+
+    def _copy(self, parts: list[tuple[str, int, Any]], messages: list[bytes]) -> None:
+        for topic, index, _ in parts:
+            if topic in self.copies and messages[index]:
+                self.copies[topic](messages[index])
 
     def _receive(self, topic: str, decode: Any, data: bytes) -> None:
         node = self._node
@@ -134,7 +142,9 @@ class Inlet:
             sample = decode(data)
         except MessageError as error:
             node.reject(error)
-            return
+            if not any(m.topic == topic and m.tick == on_tick for m in node.lock.missing()):
+                return
+            sample = None  # who keeps the ticks is waited for: what cannot be used counts as none
         if node.lock.put(topic, on_tick, sample):
             node.run_ready_steps()
 
@@ -146,7 +156,7 @@ class Inlet:
             self._node.run_ready_steps()
 
     def _receive_absent(self, data: bytes) -> None:
-        topic = str(deserialize_message(data, Header).frame_id)
+        topic = text_of(data, len(HEADER) + STAMP_SIZE)
         tick = stamp_of(data) // self._node.tick_ns
         if topic in self._by_topic and self._node.lock.put(topic, tick, None):
             self._node.run_ready_steps()
