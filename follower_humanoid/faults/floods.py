@@ -25,8 +25,8 @@ def hostile_neighbour(effort: Effort) -> Iterator[Check]:
     for leader in ("none", "fig4")[: effort.count(1, 2)]:
         how = "standing" if leader == "none" else "walking"
         yield _flooded("people", effort.count(2_000, 100_000), leader, f"flood of people's topics, {how}")
-        yield _flooded("nodes", effort.count(4_000, 100_000), leader, f"forged internal messages, {how}")
-        yield _flooded("services", effort.count(800, 20_000), leader, f"hostile services, {how}")
+        yield _flooded("nodes", effort.count(2_000, 20_000), leader, f"forged internal messages, {how}")
+        yield _flooded("services", effort.count(800, 10_000), leader, f"hostile services, {how}")
 
 
 def _flooded(kind: str, count: int, leader: str, what: str) -> Check:

@@ -85,11 +85,15 @@ class Operator:
         Returns:
             How many orders it gave, and what was obeyed or left without an answer or a reason.
         """
+        offered = {service for service, _ in self._node.get_service_names_and_types()}
+        names = [name for name in NODES if f"/{name}/set_parameters" in offered]
+        if not names:
+            return 0, ["nobody offers services"]
         given, number = 0, 0
         while given < count:
-            name = tuple(NODES)[number % len(NODES)]
+            name = names[number % len(names)]
             given += self._set(name, atomically=number % 16 >= 8)
-            if number % 40 < len(NODES):
+            if number % 40 < len(names):
                 given += self._ask(name)
             number += 1
         return given, self._accepted

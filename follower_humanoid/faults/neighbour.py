@@ -122,6 +122,7 @@ def main(args: Sequence[str]) -> int:
     accepted: list[str] = []
     begin = time.monotonic()
     if kind == "services":
+        neighbour.spin(_DISCOVERY)
         operator = Operator(neighbour.node, lambda future: neighbour.spin(20.0, future), rng)
         sent, accepted = operator.trouble(count)
     else:
