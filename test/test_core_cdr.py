@@ -8,7 +8,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, String
 
-from follower_humanoid.core.cdr import HEADER, CdrBytes, clock_bytes, padding, put_stamp, stamp_of
+from follower_humanoid.core.cdr import HEADER, CdrBytes, clock_bytes, padding, put_stamp, stamp_of, text_of
 
 STAMP = 12_345_678_901
 
@@ -46,3 +46,17 @@ def test_what_is_written_can_be_read_by_rclpy():
 
 def test_padding_counts_from_behind_the_header():
     assert [padding(len(HEADER) + n, 8) for n in (0, 1, 7, 8)] == [0, 7, 1, 0]
+
+
+@pytest.mark.parametrize("text", ["", "a", "Füße", "x" * 1000])
+def test_a_text_is_as_rclpy_has_it(text):
+    assert text_of(bytes(serialize_message(String(data=text)))) == text
+    stamped = bytes(serialize_message(Header(stamp=Time(sec=1), frame_id=text)))
+    assert text_of(stamped, len(HEADER) + 8) == text
+
+
+def test_what_is_no_text_is_none():
+    whole = bytes(serialize_message(String(data="abc")))
+    assert [text_of(whole[:length]) for length in range(len(whole) - 4)] == [None] * (len(whole) - 4)
+    bad_bytes = (b"\xff\xff\xff\xff", b"\0\0\0\0", b"\2\0\0\0\xff\0", b"\2\0\0\0ab")
+    assert [text_of(HEADER + data) for data in bad_bytes] == [None] * 4

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import random
 import struct
+from contextlib import suppress
 
 import pytest
 from bag_messages import write_bag
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import JointState
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.core.config import build
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.faults.files import tried_files
-from follower_humanoid.faults.hostile_files import KINDS, HostileBag
+from follower_humanoid.faults.hostile_files import KINDS, HostileBag, HostileUrdf
+from follower_humanoid.faults.short_bag import short_bag
 from follower_humanoid.gait.composition import MotionComposition
 from follower_humanoid.graph.resimulate import Repetition, repeatable
 from follower_humanoid.graph.simulate import simulate
@@ -56,6 +60,9 @@ def test_a_relative_path_in_a_parameter_stays_in_its_folder(path):
         ("", "malformed"),
         ("<robot><link name='a'><inertial><mass value='nan'/></inertial></link></robot>", "mass value"),
         ("<robot><limit lower='1e300'/></robot>", "limit lower"),
+        ("<robot><link name='a&#10;b'/></robot>", "without spaces"),
+        ("<robot><joint name='a\n\nb'/></robot>", "without spaces"),
+        ("<robot><joint name='a'><child link='a\tb'/></joint></robot>", "without spaces"),
         ("<robot><mesh filename='/etc/passwd'/></robot>", "outside its own folder"),
         ("<robot><mesh filename='a/../../b.stl'/></robot>", "outside its own folder"),
         ("x" * 3_000_000, "larger than"),
@@ -72,6 +79,16 @@ def test_a_hostile_robot_description_is_refused_in_one_line(tmp_path, text, reas
 def test_a_device_is_no_robot_description():
     with pytest.raises(ConfigurationError, match="not a file"):
         RobotModel("/dev/zero")
+
+
+def test_soles_that_carry_nothing_are_refused_in_words(tmp_path):
+    # A leg is moved off to the side by a displaced origin: what the springs need has no solution then.
+    path = tmp_path / "robot.urdf"
+    hostile = HostileUrdf(tmp_path)
+    path.write_bytes(hostile.content(2283, random.Random("URDF 7 2283")))
+    with pytest.raises(ConfigurationError) as error:
+        hostile.read(path)
+    assert "\n" not in str(error.value)
 
 
 def test_a_simulator_that_cannot_begin_leaves_no_physics_server(monkeypatch):
@@ -98,6 +115,34 @@ def test_a_message_without_any_byte_is_left_out(tmp_path):
     begin = 8 + 9 + struct.unpack_from("<Q", data, 9)[0]
     path.write_bytes(data[:begin] + empty + data[begin:])
     assert len(read_run(path)["joint_states"]) == 20
+
+
+def test_joints_without_names_are_left_out_and_told(tmp_path):
+    nameless, seen = bytes(serialize_message(JointState())), []
+
+    def damage(data):
+        """Takes the place of the first motion/contacts and of the first gait."""
+        try:
+            names = tuple(deserialize_message(data, JointState).name)
+        except Exception:
+            return data
+        if names in seen or len(names) > 10:
+            return data
+        seen.append(names)
+        return nameless
+
+    run = read_run(short_bag(tmp_path / "bag", damage))
+    assert len(seen) > 1
+    assert any("cannot be decoded" in note for note in run.notes)
+
+
+@pytest.mark.parametrize("number", [316, 4731])
+def test_damage_that_was_not_survived_once(tmp_path, number):
+    path = tmp_path / "bag.mcap"
+    hostile = HostileBag(tmp_path / "whole")
+    path.write_bytes(hostile.content(number, random.Random(f"MCAP 7 {number}")))
+    with suppress(ConfigurationError):  # it may be refused
+        hostile.read(path)
 
 
 def test_a_path_in_a_bag_is_not_followed(tmp_path):

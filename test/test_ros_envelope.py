@@ -45,6 +45,14 @@ def test_what_is_cut_short_is_refused(length):
         Envelope(NODE).open(data[:length])
 
 
+@pytest.mark.parametrize("at", [1, 4, 8, 12, 24])
+def test_lengths_that_do_not_agree_are_refused(at):
+    data = bytearray(Envelope(NODE).seal(STAMP, [b"abcd"] * len(NODE.outputs)))
+    data[at] ^= 2
+    with pytest.raises(MessageError, match="graph/simulator"):
+        Envelope(NODE).open(bytes(data))
+
+
 def test_topics_stand_in_the_order_of_the_wiring():
     assert Envelope(NODE).topics == tuple(NODE.outputs.values())
 

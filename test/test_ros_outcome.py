@@ -27,6 +27,7 @@ CASES = {
     "regular": (REGULAR, said(0), (), 0, 0, []),
     "regular without a bag": (REGULAR, said(0), (), None, 0, []),
     "fall": (REGULAR, said(3, "fell"), (), 0, 3, ["fell"]),
+    "a status that is no number": (REGULAR, said("much", "fell"), (), 0, 1, ["fell"]),
     "stall": (REGULAR, said(1, "no message"), ("legs",), 0, 1, STALLED),
     "asked": (End(Outcome.ASKED), {}, (), 0, 0, []),
     "late": (End(Outcome.LATE), {}, (), None, 1, []),
@@ -76,6 +77,24 @@ def test_a_signal_shortens_a_stop_that_has_begun():
     crew.stop(lambda: begin + (0.6 if time.monotonic() > begin + 0.3 else 60.0), time.sleep)
     assert time.monotonic() - begin < 10.0
     assert crew.members[0].process.returncode == -9
+
+
+@pytest.mark.parametrize(
+    ("work", "status"), [("time.process_time() < 1.5", 7), ("time.sleep(60) is None", -9)]
+)
+def test_a_writer_is_waited_for_while_it_gets_anything_done(work, status):
+    crew = Crew({})
+    words = (
+        "import signal, sys, time; signal.signal(signal.SIGTERM, lambda *_: done.append(1)); done = []\n"
+        "while not done: time.sleep(0.01)\n"
+        f"while {work}: pass\n"
+        "sys.exit(7)"
+    )
+    crew.start("recorder", [sys.executable, "-c", words], ())
+    time.sleep(1.0)
+    begin = time.monotonic()
+    crew.stop(lambda: begin + 0.1, time.sleep, last="recorder")
+    assert crew.members[0].process.returncode == status
 
 
 FAILS_AT_THE_END = """

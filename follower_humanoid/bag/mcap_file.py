@@ -22,7 +22,7 @@ from follower_humanoid.errors import ConfigurationError
 
 _FRAME = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
-_BROKEN = (
+BROKEN = (
     McapError,
     EndOfFile,
     EOFError,
@@ -32,6 +32,7 @@ _BROKEN = (
     RuntimeError,
     ValueError,
 )
+"""What readers of MCAP raise where a file is damaged."""
 
 
 class Message(NamedTuple):
@@ -117,7 +118,7 @@ class McapFile:
         try:
             opcode, length = _FRAME.unpack(stream.read(_FRAME.size))
             header = Header.read(ReadDataStream(BytesIO(stream.read(min(length, 65536)))))
-        except _BROKEN:
+        except BROKEN:
             raise ConfigurationError(f"bag {self.path} breaks off in its header") from None
         if opcode != Opcode.HEADER or header.profile != "ros2":
             raise ConfigurationError(f"bag {self.path} is not of ROS 2 (profile '{header.profile}')")
@@ -127,7 +128,7 @@ class McapFile:
         stream.seek(0)
         try:
             summary = make_reader(stream).get_summary()
-        except _BROKEN:
+        except BROKEN:
             return
         if summary is not None:
             self._schemas.update((schema.id, schema.name) for schema in summary.schemas.values())
@@ -148,7 +149,7 @@ class McapFile:
                 self.metadata[entry.name] = entry.metadata
             else:
                 self._describe(opcode, body)
-        except _BROKEN as error:
+        except BROKEN as error:
             self.notes.append(
                 f"{self.path.name}: a record is broken and left out ({error or type(error).__name__})"
             )

@@ -119,6 +119,9 @@ def _decode(into: _Collected, messages: list[Message]) -> None:
         names = rest[0] if rest else ()
         numbers = batch.numbers
         if into.topic.kind in (samples.Joints, samples.Gait, samples.ContactPlan):
+            if not names or (into.topic.kind is samples.Gait and "walk_dir" not in names):
+                into.broken += len(batch.rows)  # nothing in it has a meaning
+                continue
             into.names = into.names or names
             numbers = _in_order(numbers, names, into.names)
         into.received.append(received[batch.rows])

@@ -12,6 +12,8 @@ import struct
 HEADER = b"\x00\x01\x00\x00"
 NANOSECONDS = 1_000_000_000
 STAMP_SIZE = 8
+LARGEST_STAMP = (2**31 - 1) * NANOSECONDS + NANOSECONDS - 1
+"""The last time that a stamp can tell [ns]."""
 
 _LITTLE, _BIG = struct.Struct("<iI"), struct.Struct(">iI")
 
@@ -26,6 +28,20 @@ def stamp_of(data: bytes, offset: int = len(HEADER)) -> int:
         return -1
     seconds, nanoseconds = (_LITTLE if data[1] & 1 else _BIG).unpack_from(data, offset)
     return int(seconds) * NANOSECONDS + int(nanoseconds)
+
+
+def text_of(data: bytes, offset: int = len(HEADER)) -> str | None:
+    """A string at an offset, which is where a std_msgs/String has it; None where the bytes hold none."""
+    begin = offset + 4
+    if len(data) < begin:
+        return None
+    length = int.from_bytes(data[offset:begin], "little" if data[1] & 1 else "big")
+    if not 1 <= length <= len(data) - begin or data[begin + length - 1] != 0:
+        return None
+    try:
+        return data[begin : begin + length - 1].decode("utf-8")
+    except UnicodeDecodeError:
+        return None
 
 
 def put_stamp(data: bytearray, offset: int, stamp: int) -> None:

@@ -91,9 +91,22 @@ class GraphRun:
                 found[int(entry.name)] = words
         return found
 
-    def child(self, node: str) -> int:
-        """Process id of a node."""
-        return next(pid for pid, words in self.children().items() if f"/{node} " in f"{words} ")
+    def child(self, node: str) -> int | None:
+        """Process id of a node; None where it is not there."""
+        return next((pid for pid, words in self.children().items() if f"/{node} " in f"{words} "), None)
+
+    def send(self, node: str, number: int) -> bool:
+        """Sends a node a signal; returns whether it was there."""
+        pid = self.child(node)
+        if pid is not None:
+            os.kill(pid, number)
+        return pid is not None
+
+    def halt(self, node: str, seconds: float) -> bool:
+        """Halts a node for a while [s]; returns whether it was there."""
+        there = self.send(node, signal.SIGSTOP)
+        time.sleep(seconds)
+        return there and self.send(node, signal.SIGCONT)
 
     def end(self, number: int = signal.SIGTERM) -> float:
         """Sends a signal; returns how long the end took [s]."""

@@ -27,7 +27,7 @@ from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.validation import MessageError
 
 _TICKS = 20
-_TICK_NS = 2_000_000
+TICK_NS = 2_000_000
 _NUMBERS = (float("nan"), float("inf"), -float("inf"), 1e300, -1e300, 5e-324)
 
 
@@ -38,7 +38,7 @@ def whole_messages() -> dict[str, tuple[Codec, list[bytes]]]:
     found = {}
     for name in run.series:
         codec = Codec(name, robot)
-        sent = [codec.encode(sample, tick * _TICK_NS) for tick, sample in samples_of(run[name]).items()]
+        sent = [codec.encode(sample, tick * TICK_NS) for tick, sample in samples_of(run[name]).items()]
         found[name] = (codec, sent)
     return found
 
@@ -133,7 +133,7 @@ def _from_people(topic: str, count: int) -> Check:
     frames = {frame.name for frame in robot.pin_model.frames} | {"", "world"}
     rejections: list[str] = []
     person = PeopleWrench(
-        codec, RunConfig(), _TICK_NS, frames.__contains__, lambda _: None, lambda e: rejections.append(str(e))
+        codec, RunConfig(), TICK_NS, frames.__contains__, lambda _: None, lambda e: rejections.append(str(e))
     )
     now = 0.0
     person.now, person.publishers, person.lockstepped = lambda: now, lambda: 2, True

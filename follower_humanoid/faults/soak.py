@@ -1,9 +1,17 @@
-"""An hour of walking with seeded random pulls, pauses, turns and pushes; two graphs side by side."""
+"""An hour of walking with seeded random pulls, pauses, turns and pushes, recorded in a bag.
+
+`python -m follower_humanoid.faults.soak --minutes 60 --seed 5` does it alone, says every simulated minute
+how it goes, and can be given in pieces: other seeds, fewer minutes.
+"""
 
 from __future__ import annotations
 
-import resource
-from collections.abc import Iterator
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,13 +19,17 @@ import numpy as np
 from follower_humanoid.bench.check import Check
 from follower_humanoid.core.samples import Array, Wrench
 from follower_humanoid.faults.case import Effort, survived
-from follower_humanoid.faults.graph_run import graph_run, own_domain
-from follower_humanoid.graph.record import RunRecorder
-from follower_humanoid.graph.simulate import TICK, Chain
+from follower_humanoid.graph.simulate import TICK, Chain, simulate
+from follower_humanoid.replay.index import index_bag
+from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.ros.simulated_bag import SimulatedBag
 
-_SEED = 5
+SEED = 5
+MINUTES = 60.0
 _PUSH = 50.0  # N for 0.1 s: 5 N·s
 _PUSH_TIME = 0.1
+_MOST_GROWTH = 20.0  # MiB
+_MINUTE = round(60.0 / TICK)
 
 
 class RandomLeader:
@@ -54,70 +66,89 @@ class RandomLeader:
         self._push_at = now + rng.uniform(0.5, 2.5)
 
 
-class Forgetful(RunRecorder):
-    """Keeps nothing: an hour of everything would fill the memory by itself."""
-
-    def add(self, topic: str, tick: int, sample: Any) -> None:
-        """Forgets the sample."""
-
-
 def soak(effort: Effort) -> Iterator[Check]:
-    """A line for the walk, one for two graphs side by side."""
-    yield _walk(effort.count(12, 3600))
-    yield from _side_by_side(effort)
+    """Lines for the walk, for its memory and for its bag."""
+    minutes = 0.2 if effort.brief else MINUTES
+    with tempfile.TemporaryDirectory(prefix="follower_humanoid_") as folder:
+        yield from walk(minutes, SEED, Path(folder) / "bag", _tell)
 
 
-def _walk(seconds: float) -> Check:
-    chain = Chain(interference=RandomLeader(_SEED))
-    chain.recorder = Forgetful(TICK, chain.robot.joint_names, chain.robot.urdf)
-    warm, memory = round(min(60.0, seconds / 2) / TICK), 0.0
-    fault = ""
+def walk(minutes: float, seed: int, folder: Path, say: Callable[[str], None]) -> Iterator[Check]:
+    """Walks under a random leader.
+
+    Args:
+        minutes: Simulated.
+        seed: Of the leader.
+        folder: The bag, which must not exist.
+        say: Told every simulated minute how it goes.
+    """
+    chain = Chain(interference=RandomLeader(seed))
+    bag = SimulatedBag(folder, None, simulate("none", 2 * TICK), RobotModel())
+    chain.recorder = bag
+    ticks = round(minutes * 60.0 / TICK)
+    settled, memory = min(_MINUTE, ticks // 2), 0.0
+    begin = time.monotonic()
     try:
-        for tick in range(round(seconds / TICK)):
+        while chain.tick < ticks and chain.simulator.fall is None:
             chain.advance()
-            if tick == warm:
-                memory = _memory()
-            if chain.simulator.fall is not None:
-                fault = f"fell at {chain.simulator.time:.1f} s: {chain.simulator.fall.reason}"
-                break
-        steps = chain.components["motion_composition"].diagnostics()["half_steps"]
+            if chain.tick == settled:
+                memory = resident_memory()
+            if chain.tick % _MINUTE == 0:
+                walked, seconds = _half_steps(chain), time.monotonic() - begin
+                say(
+                    f"{chain.tick // _MINUTE} min, {walked} half-steps, {resident_memory():.0f} MiB, "
+                    f"{seconds:.0f} s of wall time"
+                )
+        fall, steps, grown = chain.simulator.fall, _half_steps(chain), resident_memory() - memory
     finally:
         chain.close()
-    grown = _memory() - memory
-    observed = fault or f"{steps} half-steps, memory grew by {grown:.0f} MiB"
-    required = "no fall, memory grows by less than 20 MiB"
-    return survived(
-        f"{seconds:g} s of random pulls, pauses, turns, pushes",
-        required,
-        observed,
-        not fault and grown < 20.0,
+        bag.close()
+    what = f"{minutes:g} min of pulls, pauses, turns, pushes"
+    observed = f"{steps} half-steps" if fall is None else f"fell at {fall.time:.1f} s: {fall.reason}"
+    yield survived(f"{what}, seed {seed}", "no fall", observed, fall is None)
+    walked_on = f"{grown:.1f} MiB since {settled * TICK:g} s, of {memory:.0f} MiB"
+    yield survived("its memory", f"grows by less than {_MOST_GROWTH:g} MiB", walked_on, grown < _MOST_GROWTH)
+    index = index_bag(folder)
+    states = index.topics["/joint_states"].count
+    size = sum(file.stat().st_size for file in folder.iterdir()) / 1e6
+    observed = f"{states} states of {chain.tick} ticks, {size:.0f} MB" + "".join(
+        f"; {n}" for n in index.notes
     )
+    good = states == chain.tick and not index.notes
+    yield survived("its bag", "complete: a state per tick", observed, good)
 
 
-def _memory() -> float:
-    """Largest so far [MiB]."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+def _half_steps(chain: Chain) -> int:
+    return int(chain.components["motion_composition"].diagnostics()["half_steps"])
 
 
-def _side_by_side(effort: Effort) -> Iterator[Check]:
-    """Two namespaces of one domain, and in the long form two domains: each walks as if it were alone."""
-    options = ("--leader", "fig4", "--duration", "1", "--composed")
-    domain = own_domain()
-    yield _both("namespaces", (*options, "--namespace"), domain, domain)
-    if not effort.brief:
-        yield _both("domains", options, domain, domain % 100 + 1)
+def resident_memory() -> float:
+    """Of this process now [MiB]; a peak would hide growth behind what was there before."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
+    return pages * 4096 / 2**20
 
 
-def _both(how: str, options: tuple[str, ...], first: int, second: int) -> Check:
-    names = (("one",), ("two",)) if options[-1] == "--namespace" else ((), ())
-    with (
-        graph_run(*options, *names[0], domain=first) as one,
-        graph_run(*options, *names[1], domain=second) as two,
-    ):
-        status = (one.status(), two.status())
-        bags = [run.recorded() for run in (one, two)]
-    hashes = {bag.joint_hash() for bag in bags if bag is not None and not bag.notes}
-    good = status == (0, 0) and len(hashes) == 1 and None not in bags
-    walk = "the same" if len(hashes) == 1 else "different"
-    observed = f"status {status[0]} and {status[1]}, {walk} walk"
-    return survived(f"two graphs in two {how}", "both walk as if alone", observed, good)
+def _tell(text: str) -> None:
+    print(f"       {text}", file=sys.stderr, flush=True)
+
+
+def main(args: list[str] | None = None) -> int:
+    """Walks; 0 = every line holds."""
+    parser = argparse.ArgumentParser(prog="soak", description=__doc__)
+    parser.add_argument("--minutes", type=float, default=MINUTES, help="simulated")
+    parser.add_argument("--seed", type=int, default=SEED, help="of the leader")
+    parser.add_argument(
+        "--bag", type=Path, help="folder of the bag, which must not exist; default: none is kept"
+    )
+    options = parser.parse_args(args)
+    with tempfile.TemporaryDirectory(prefix="follower_humanoid_") as folder:
+        good = True
+        for line in walk(options.minutes, options.seed, options.bag or Path(folder) / "bag", _tell):
+            mark = "ok  " if line.passed else "MISS"
+            print(f"  {mark} {line.what:<46} {line.required:<40} {line.measured}", flush=True)
+            good = good and line.passed
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

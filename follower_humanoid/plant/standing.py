@@ -98,6 +98,8 @@ class _Stance:
             if np.abs(error).max() < 1e-13:
                 break
             step = np.zeros(self.model.nv)
+            if not np.isfinite(error).all():  # no solver can help it, and some of them raise
+                break
             step[self.columns] = np.linalg.lstsq(self.jacobian(q), error, rcond=None)[0]
             q = pin.integrate(self.model, q, step)
         if not np.abs(self.residual(q, sink, pitch)).max() < 1e-9:
@@ -140,6 +142,8 @@ def standing(robot: RobotModel, model: pin.Model, config: StandingConfig, stiffn
         # d(depth) = d(sink) + x d(pitch), x about the sole origin, which is about the ankle.
         weight, x = stiffness * (forces > 0.0), points[:, 0]
         slope = np.array([[weight.sum(), weight @ x], [-weight @ arm, -weight @ (arm * x)]])
+        if not abs(np.linalg.det(slope)) > 0.0:  # no point carries, or all of them in one line
+            raise ConfigurationError(f"standing.com_ahead = {config.com_ahead}: the soles cannot carry it so")
         change = np.linalg.solve(slope, missing)
         sink, pitch = sink + change[0], pitch + change[1]
     else:

@@ -7,11 +7,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mcap.exceptions import EndOfFile, McapError
 from mcap.reader import make_reader
 from mcap.records import Statistics
 
-from follower_humanoid.bag.mcap_file import McapFile, bag_files
+from follower_humanoid.bag.mcap_file import BROKEN, McapFile, bag_files
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.replay.offered import Offered, offered_in
 from follower_humanoid.replay.sqlite_file import SqliteFile
@@ -127,7 +126,7 @@ def _statistics(file: Path) -> Statistics | None:
     try:
         with file.open("rb") as stream:
             summary = make_reader(stream).get_summary()
-    except (McapError, EndOfFile, OSError, ValueError, RuntimeError):
+    except (*BROKEN, OSError):
         return None
     return None if summary is None else summary.statistics
 

@@ -19,6 +19,7 @@ _NUMERIC = frozenset(
     "xyz rpy ixx ixy ixz iyy iyz izz radius length size lower upper effort velocity damping friction".split()
 )
 _LARGEST_NUMBER = 1e9
+_NAMES = {"link": ("name",), "joint": ("name",), "parent": ("link",), "child": ("link",), "mimic": ("joint",)}
 _PLACE = re.compile(r": line (\d+), column \d+$")
 
 
@@ -28,7 +29,8 @@ def read_urdf(path: Path) -> str:
     Raises:
         ConfigurationError: Not a file, too large, not well-formed, with a document type (whose
             entities can name other files or grow without bound), with a number that is none or
-            too large for a robot, or with the name of another file outside its own folder.
+            too large for a robot, a link or joint whose name has spaces or unprintable characters,
+            or with the name of another file outside its own folder.
     """
     if not path.is_file():  # a device or a pipe would be read without end
         reason = "not a file" if path.exists() else "no such file"
@@ -46,6 +48,7 @@ def read_urdf(path: Path) -> str:
     root = _parsed(text, path)
     for element in root.iter():
         _check_numbers(element, path)
+        _check_names(element, path)
     for name in _other_files(root):
         if not name.startswith("package://") and (Path(name).is_absolute() or ".." in Path(name).parts):
             raise ConfigurationError(f"URDF {path} names '{name}', a file outside its own folder")
@@ -88,6 +91,16 @@ def _check_numbers(element: ET.Element, path: Path) -> None:
                     f"URDF {path}: {element.tag} {key} = '{word[:40]}': "
                     f"needs a number up to {_LARGEST_NUMBER:g}"
                 )
+
+
+def _check_names(element: ET.Element, path: Path) -> None:
+    """Names become frames, columns and words in messages; parsers differ in what they make of spaces."""
+    for key in _NAMES.get(element.tag, ()):
+        name = element.attrib.get(key, "")
+        if not name.isprintable() or any(character.isspace() for character in name):
+            raise ConfigurationError(
+                f"URDF {path}: {element.tag} {key} = {name[:40]!r}: needs a name without spaces"
+            )
 
 
 def _other_files(root: ET.Element) -> Iterator[str]:

@@ -15,10 +15,12 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 from std_msgs.msg import String
 
+from follower_humanoid.core.cdr import text_of
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.lockstep import CLOCK, hears_clock
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.qos import LATCHED
+from follower_humanoid.ros.validation import MessageError
 
 READY = "graph/ready"
 RESET = "graph/reset"
@@ -130,20 +132,36 @@ class RollCall:
         others: Nodes that reset with the simulator; the recorder is awaited at the start only.
     """
 
-    def __init__(self, node: Node, present: Collection[str], complete: Callable[[], None]) -> None:
-        """Args: the node that listens, the nodes that run, and what to do when the last has spoken."""
+    def __init__(
+        self,
+        node: Node,
+        present: Collection[str],
+        complete: Callable[[], None],
+        reject: Callable[[Exception], None],
+    ) -> None:
+        """Begins to listen.
+
+        Args:
+            node: Who listens.
+            present: The nodes that run.
+            complete: What to do when the last has spoken.
+            reject: Where complaints go.
+        """
         self.others = frozenset(name for name in present if name not in (RECORDER, SIMULATOR))
         self._awaited = set(present) - {SIMULATOR}
-        self._complete = complete
-        node.create_subscription(String, READY, self._heard, LATCHED)
+        self._complete, self._reject = complete, reject
+        node.create_subscription(String, READY, self._heard, LATCHED, raw=True)
 
     def expect_reset(self, tick: int, gone: Collection[str] = ()) -> None:
         """From here on it waits until every node knows of the reset but those that have left."""
         self._awaited = {reset_known(name, tick) for name in self.others if name not in gone}
 
-    def _heard(self, message: String) -> None:
-        if message.data in self._awaited:
-            self._awaited.discard(message.data)
+    def _heard(self, data: bytes) -> None:
+        text = text_of(data)
+        if text is None:
+            self._reject(MessageError(READY, "not a String"))
+        elif text in self._awaited:
+            self._awaited.discard(text)
             if not self._awaited:
                 self._complete()
 

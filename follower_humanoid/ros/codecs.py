@@ -21,6 +21,7 @@ from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.cdr import CdrWriter, Slot
 from follower_humanoid.ros.formats import format_of
 from follower_humanoid.ros.layouts import Format
+from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.validation import MessageError, finite
 
 _LARGEST_CACHE = 64
@@ -151,7 +152,8 @@ class Codec:
 
     def _read(self, data: bytes) -> Any:
         try:
-            message = deserialize_message(data, self.message_type)
+            with quiet_stderr():  # the deserialiser has words of its own for each, as many as there are
+                message = deserialize_message(data, self.message_type)
         except Exception as error:  # rclpy raises no narrower type than RMWError, and not always that
             raise MessageError(self.topic, f"not a {self.message_type.__name__}: {error}") from None
         return self._format.read(message)

@@ -10,10 +10,14 @@ import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.forked import Forked, Gate
 from follower_humanoid.ros.spin import PARENT
+
+_LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
+_BUSY = 0.5  # wall time in which it must get anything done [s]
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,11 @@ class Crew:
         self._wait(others, lambda: 0.5 * (begin + deadline()), idle)
         self._ask([m for m in self.members if m.name == last])
         self._wait(self.members, deadline, idle)
+        # Where the machine is so busy that a bag is not written by then, it is waited for: as long as its
+        # writer gets anything done at all.
+        for member in self.members:
+            if member.name == last:
+                self._wait_while_busy(member, idle)
         self.kill()
 
     def kill(self) -> None:
@@ -95,6 +104,17 @@ class Crew:
             if member.process.poll() is None:
                 member.process.kill()
                 member.process.wait()
+
+    @staticmethod
+    def _wait_while_busy(member: Member, idle: Callable[[float], None]) -> None:
+        begin, done = time.monotonic(), -1.0
+        while member.process.poll() is None and time.monotonic() < begin + _LONGEST_WRITING:
+            before, done = done, _cpu_time(member.process.pid)
+            if done == before:
+                return
+            until = time.monotonic() + _BUSY
+            while time.monotonic() < until and member.process.poll() is None:
+                idle(0.02)
 
     @staticmethod
     def _ask(members: Sequence[Member]) -> None:
@@ -110,6 +130,15 @@ class Crew:
     ) -> None:
         while time.monotonic() < deadline() and any(m.process.poll() is None for m in members):
             idle(0.02)
+
+
+def _cpu_time(pid: int) -> float:
+    """Of a process so far [clock ticks]; 0 where it is gone."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return float(fields[11]) + float(fields[12])
 
 
 def how_it_ended(status: int) -> str:

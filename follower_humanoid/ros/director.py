@@ -11,10 +11,15 @@ from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message
 from rclpy.task import Future
 
+from follower_humanoid.graph.graph_config import RECORDER, VIEWER
+from follower_humanoid.graph.wiring import ARM_TASK, NODES
 from follower_humanoid.ros.qos import DIAGNOSTICS
+from follower_humanoid.ros.quiet import quiet_stderr
 
+_REPORTING = frozenset({*NODES, ARM_TASK.name, RECORDER, VIEWER})
 _ANSWER_TIME = 3.0  # an answer can be lost while its writer does not know us yet [s]
 _REACHED = {
     Transition.TRANSITION_CONFIGURE: (State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_ACTIVE),
@@ -80,7 +85,8 @@ class Director:
         self.heard_at: dict[str, float] = {}
         self._namespace = self.node.get_namespace().rstrip("/")
         self._clients: dict[str, tuple[Any, Any]] = {}
-        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._hear, DIAGNOSTICS)
+        # Everybody's topic: what is no such message must not reach the middleware's own reader.
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._hear, DIAGNOSTICS, raw=True)
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
         self._requests: list[_Request] = []
@@ -117,9 +123,25 @@ class Director:
         self._executor.shutdown()
         self.node.destroy_node()
 
-    def _hear(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            above, _, name = status.name.rpartition("/")
-            if above == self._namespace:
-                self.values[name] = {pair.key: pair.value for pair in status.values}
-                self.heard_at[name] = time.monotonic()
+    def _hear(self, data: bytes) -> None:
+        for name, values in reports_in(data, self.node.get_namespace()).items():
+            self.values[name] = values
+            self.heard_at[name] = time.monotonic()
+
+
+def reports_in(data: bytes, namespace: str) -> dict[str, dict[str, str]]:
+    """What nodes of this package in a namespace say in a message on `/diagnostics`, by node.
+
+    Others use the topic too, and a name is quickly taken twice: the hardware id tells ours apart.
+    """
+    try:
+        with quiet_stderr():
+            message = deserialize_message(data, DiagnosticArray)
+    except Exception:  # rclpy has no common type for what it cannot read
+        return {}
+    prefix = f"{namespace.rstrip('/')}/"
+    return {
+        status.name.removeprefix(prefix): {pair.key: pair.value for pair in status.values}
+        for status in message.status
+        if status.hardware_id == namespace and status.name.removeprefix(prefix) in _REPORTING
+    }

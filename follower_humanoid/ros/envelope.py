@@ -95,4 +95,6 @@ class Envelope:
             at += length
         if at > len(data):
             raise MessageError(self.name, f"cut short: {len(data)} bytes of {at}")
+        if data[: len(HEADER)] != HEADER or _FRONT.unpack_from(data, len(HEADER)) != (0, 0, at - _DATA):
+            raise MessageError(self.name, "its lengths do not agree")
         return stamp, messages

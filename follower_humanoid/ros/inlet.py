@@ -6,11 +6,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, UInt8MultiArray
 
-from follower_humanoid.core.cdr import stamp_of
+from follower_humanoid.core.cdr import HEADER, STAMP_SIZE, stamp_of, text_of
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nodes_with
 from follower_humanoid.ros.barrier import Barrier
@@ -100,8 +99,9 @@ class Inlet:
         ready = False
         for topic in self.copies.keys() & messages.keys():
             self.copies[topic](messages[topic])
-        if topics := self._by_bus.get(producer):
-            ready = self._put(topics, tick, lambda: tuple(samples[topic] for topic in topics))
+        topics = self._by_bus.get(producer)
+        if topics is not None and self._is_of_use(topics, tick):
+            ready = self._put(topics, tick, tuple(samples.get(topic) for topic in topics))
         return ready
 
     def _deliver(self, reader: EnvelopeReader, topics: tuple[str, ...], data: bytes) -> None:
@@ -116,25 +116,29 @@ class Inlet:
             tick, rest = divmod(stamp, node.tick_ns)
             if rest:
                 raise MessageError(reader.envelope.name, f"stamp {stamp} ns is no tick")
-            node.come_back(tick)
-            ready = self._put(topics, tick, lambda: reader.read(data))
-            for topic in self.copies.keys() & topics if self.copies else ():
-                if message := reader.message(data, topic):
-                    self.copies[topic](message)
+            # All of it or nothing: what lies beside something unusable is not to be relied on.
+            samples = reader.read(data) if self._is_of_use(topics, tick) else None
         except MessageError as error:
             node.reject(error)
             return False
-        return ready
+        node.come_back(tick)
+        if self.copies and samples is not None:
+            self._copy(reader, topics, data)
+        return samples is not None and self._put(topics, tick, samples)
 
-    def _put(self, topics: tuple[str, ...], tick: int, samples: Callable[[], tuple[Any, ...]]) -> bool:
+    def _copy(self, reader: EnvelopeReader, topics: tuple[str, ...], data: bytes) -> None:
+        for topic in topics:
+            if topic in self.copies and (message := reader.message(data, topic)):
+                self.copies[topic](message)
+
+    def _is_of_use(self, topics: tuple[str, ...], tick: int) -> bool:
+        return not self._skips or self._node.lock.needs(topics[0], tick)
+
+    def _put(self, topics: tuple[str, ...], tick: int, samples: tuple[Any, ...]) -> bool:
         """Puts what came in one piece into the lock; returns whether it is ready now."""
-        lock = self._node.lock
-        if self._skips and not lock.needs(topics[0], tick):
-            return False
         if topics[0] == CLOCK:
-            return lock.put(CLOCK, tick, True)
-        values = samples()
-        return lock.put(topics[0], tick, values if len(topics) > 1 else values[0])
+            return self._node.lock.put(CLOCK, tick, True)
+        return self._node.lock.put(topics[0], tick, samples if len(topics) > 1 else samples[0])
 
     def _receive(self, topic: str, decode: Any, data: bytes) -> None:
         node = self._node
@@ -146,7 +150,9 @@ class Inlet:
             sample = decode(data)
         except MessageError as error:
             node.reject(error)
-            return
+            if not any(m.topic == topic and m.tick == on_tick for m in node.lock.missing()):
+                return
+            sample = None  # who keeps the ticks is waited for: what cannot be used counts as none
         if node.lock.put(topic, on_tick, sample):
             node.run_ready_steps()
 
@@ -158,7 +164,7 @@ class Inlet:
             self._node.run_ready_steps()
 
     def _receive_absent(self, data: bytes) -> None:
-        topic = str(deserialize_message(data, Header).frame_id)
+        topic = text_of(data, len(HEADER) + STAMP_SIZE)
         tick = stamp_of(data) // self._node.tick_ns
         if topic in self._by_topic and self._node.lock.put(topic, tick, None):
             self._node.run_ready_steps()

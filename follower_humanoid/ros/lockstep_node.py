@@ -24,6 +24,7 @@ from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.shared_robot import shared_robot
+from follower_humanoid.ros.validation import MessageError
 
 _BARRIER_POLL = 0.02
 _PATIENCE = 1.0  # wall time for a stranger who may not keep the ticks [s]
@@ -83,7 +84,7 @@ class LockStepNode(ManagedNode):
         self._given_up = self._strange_seen = 0
         self._progress_at = self._told_at = time.monotonic()
         self._announcer = Announcer(self)
-        self.attendance = Attendance(self, self._goes_on_without)
+        self.attendance = Attendance(self, self._goes_on_without, self.reject)
         self._barrier_timer = self.create_timer(_BARRIER_POLL, self._look_at_barrier, clock=self._wall)
         self._barrier_timer.cancel()
         self.create_timer(_PATIENCE, self._watch, clock=self._wall)
@@ -207,7 +208,13 @@ class LockStepNode(ManagedNode):
         return attended
 
     def _receive_reset(self, data: bytes) -> None:
-        self.reset_at = stamp_of(data) // self.tick_ns
+        tick, rest = divmod(stamp_of(data), self.tick_ns)
+        # One that has just come back is a little ahead of the others. Of two the earlier one counts.
+        earliest = self.lock.tick - 2 * AHEAD
+        if rest or tick < earliest or (self.reset_at is not None and tick > self.reset_at):
+            self.reject(MessageError(RESET, f"tick {tick} is not one to begin anew at"))
+            return
+        self.reset_at = tick
         self._announcer.announce_reset(self.reset_at)
         self.run_ready_steps()
 

@@ -16,6 +16,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import GraphConfig
+from follower_humanoid.ros.careful_services import make_careful
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.qos import DIAGNOSTICS
 
@@ -60,6 +61,7 @@ class ManagedNode(LifecycleNode):
         self._rejections: dict[str, tuple[float, int]] = {}  # topic -> told at [s], how many not told since
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._accept_transitions_with_care()
+        make_careful(self, self.reject)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", DIAGNOSTICS)
         self.create_timer(1.0, self._publish_diagnostics, clock=self._wall)
         self._starter = self.create_timer(0.0, self._start_itself, clock=self._wall)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -65,7 +66,8 @@ def _judged(end: End, simulator: Mapping[str, str], stuck: Sequence[str]) -> tup
         return FAILED, []  # whose lateness it was has been told
     word, member = simulator.get(ENDED, ""), end.member
     if word and (end.outcome is Outcome.ENDED or (member and SIMULATOR in member.nodes)):
-        status = int(simulator.get(EXIT_STATUS, FAILED))
+        told = simulator.get(EXIT_STATUS, "")
+        status = int(told) if re.fullmatch(r"[0-9]{1,3}", told) else FAILED
         lost = [f"lost: {', '.join(stuck)} (no sign of life)"] if stuck and status == FAILED else []
         return status, [word, *lost] if status else []
     ended = None if member is None else member.process.returncode

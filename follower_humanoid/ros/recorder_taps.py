@@ -16,7 +16,7 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.recorder import STATE, Arrival, Recorded, Recording, recorded_topics
-from follower_humanoid.core.cdr import clock_bytes
+from follower_humanoid.core.cdr import LARGEST_STAMP, clock_bytes
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.envelope import Envelope, envelope_topic
@@ -103,6 +103,8 @@ class RecorderTaps:
             for data, received, published in _queue(tap.subscription):
                 try:
                     stamp, messages = tap.envelope.open(data)
+                    if not 0 <= stamp <= LARGEST_STAMP:
+                        raise MessageError(tap.envelope.name, f"stamp {stamp} ns is no time")
                 except MessageError as error:
                     self._node.reject(error)
                     continue

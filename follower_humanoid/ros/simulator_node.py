@@ -39,7 +39,7 @@ class SimulatorNode(LockStepNode):
         """Declares the plant's and the run's parameters."""
         super().__init__(node_wiring(SIMULATOR), **options)
         self.run: RunConfig = declare(self, RunConfig)
-        self._roll_call = RollCall(self, self.present, self._all_know)
+        self._roll_call = RollCall(self, self.present, self._all_know, self.reject)
         self._waiting_for_all = False
         self._peak_voltage, self._saturated = 0.0, 0
         self.create_service(Trigger, "reset", self._reset_asked)

@@ -60,7 +60,7 @@ def status_text(values: Values) -> str:
     simulator = values.get("simulator", {})
     if "simulated_time [s]" not in simulator:
         return ""
-    parts = [f"t = {float(simulator['simulated_time [s]']):.2f} s"]
+    parts = [f"t = {_number(simulator, 'simulated_time [s]', '{:.2f}')} s"]
     parts.append(f"real-time factor {_number(simulator, 'real_time_factor', '{:.2f}')}")
     parts.append(f"steps {_number(values.get('motion_composition', {}), 'half_steps', '{:.0f}')}")
     parts.append(f"ZMP margin {_number(values.get('zmp_balance', {}), 'zmp_margin [m]', '{:.3f} m')}")

@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger
 from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.graph_config import LEADER, RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
+from follower_humanoid.ros.director import reports_in
 from follower_humanoid.ros.displays import Displays
 from follower_humanoid.ros.leading import Leading
 from follower_humanoid.ros.managed_node import ManagedNode
@@ -70,7 +71,9 @@ class ViewerNode(ManagedNode):
         self._newest = Newest(self, SHOWN, robot, self.reject)
         self._leading = Leading(self, robot)
         self._reset = self.create_client(Trigger, "reset")
-        self._listener = self.create_subscription(DiagnosticArray, "/diagnostics", self._hear, DIAGNOSTICS)
+        self._listener = self.create_subscription(
+            DiagnosticArray, "/diagnostics", self._hear, DIAGNOSTICS, raw=True
+        )
         self._displays = Displays(self, robot.urdf)
         if self.config.page:
             self._page = Page(self.config, Skeleton(robot.urdf), self._push_asked, self._reset_asked)
@@ -156,13 +159,10 @@ class ViewerNode(ManagedNode):
             if now - self._heard.get(name, self._begun) > _MISSING:
                 yield name
 
-    def _hear(self, message: DiagnosticArray) -> None:
-        namespace = self.get_namespace().rstrip("/")
-        for status in message.status:
-            above, _, name = status.name.rpartition("/")
-            if above == namespace:
-                self._reports[name] = {pair.key: pair.value for pair in status.values}
-                self._heard[name] = time.monotonic()
+    def _hear(self, data: bytes) -> None:
+        for name, values in reports_in(data, self.get_namespace()).items():
+            self._reports[name] = values
+            self._heard[name] = time.monotonic()
 
     def _push_asked(self, impulse: Array) -> None:
         def begin() -> None:
