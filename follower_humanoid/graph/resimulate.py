@@ -5,7 +5,8 @@ the wrenches that people and the leader applied. What is taken from the bag:
 
 - the applied wrenches, in the place of the leader and of people;
 - parameters that were changed during the run, at their ticks;
-- motor commands that came too late in real time, so that the drives held;
+- motor commands that came too late in real time, or not at all from a deactivated controller, so that
+  the drives held;
 - resets, told by the robot standing as at time 0 again;
 - the topics of nodes that were not this package's own (`bringup --without NODE`).
 """
@@ -196,6 +197,7 @@ class Repetition(Chain):
             self._changes.setdefault(change.tick, []).append(change)
         self._holding = {holding.tick: holding for holding in recorded.run.holding}
         self._without: tuple[str, ...] = ()
+        self._said = {t: frozenset(recorded.run[t].ticks.tolist()) for t in _COMMANDS if t in recorded.run}
         self._held = {
             name: _Held(recorded.run[topic], recorded.ticks) for name, topic in APPLIED.items()
         }
@@ -242,6 +244,11 @@ class Repetition(Chain):
             node.name: self.simulator if node.name == SIMULATOR else self._make(node) for node in self.nodes
         }
         self.tick += 1
+
+    def _is_idle(self, node: NodeWiring) -> bool:
+        """A controller that was deactivated: what only came too late was recorded all the same."""
+        missing = [topic for topic in node.outputs.values() if topic in self._without]
+        return any(self.tick not in self._said.get(topic, ()) for topic in missing)
 
     def _inputs(self, node: Any) -> Any:
         inputs = super()._inputs(node)
