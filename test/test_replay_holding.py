@@ -82,7 +82,7 @@ def test_without_knowing_of_it_the_next_tick_is_another(run: Run, left_out: int,
 def test_it_is_told(run: Run) -> None:
     told = [note for note in repeatable(run).notes if "drives held" in note]
     assert told == [
-        "arms/command, legs/command did not come or not in time, 4 times, first at 0.002 s: the motor drives held"
+        "the motor drives held 4 times for want of arms/command, legs/command, first at 0.002 s"
     ]
 
 

@@ -67,7 +67,7 @@ def _holding_notes(run: Run) -> Iterator[str]:
         return
     listed = ", ".join(sorted({topic for holding in beginnings for topic in holding.topics}))
     first, times = beginnings[0].tick * run.tick, len(beginnings)
-    yield f"{listed} did not come or not in time, {times} times, first at {first:.3f} s: the motor drives held"
+    yield f"the motor drives held {times} times for want of {listed}, first at {first:.3f} s"
 
 
 def _foreign_notes(run: Run, nodes: frozenset[str]) -> Iterator[str]:
