@@ -51,9 +51,12 @@ TEST_REQUIREMENTS = [
 
 
 def ros_is_sourced() -> bool:
-    """Whether a ROS 2 installation in this shell brings rclpy: wheels beside it would hide it."""
-    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    return any(prefix and Path(prefix, "share", "rclpy").is_dir() for prefix in prefixes)
+    """Whether a ROS 2 installation in this shell brings rclpy: wheels beside it would hide it.
+
+    A Python environment that is named there for the sake of `ros2 run` has rclpy from wheels and is none.
+    """
+    prefixes = [Path(p) for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    return any((p / "share" / "rclpy").is_dir() and not (p / "pyvenv.cfg").exists() for p in prefixes)
 
 
 def console_scripts() -> list[str]:

@@ -63,6 +63,17 @@ def test_a_broken_chunk_is_left_out(tmp_path: Path) -> None:
     assert any("ticks are missing" in note for note in run.notes)
 
 
+def test_many_broken_records_are_told_in_one_line(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "broken", 4000) / "broken_0.mcap"
+    data = bytearray(path.read_bytes())
+    for place in range(len(data) // 8, len(data) * 7 // 8, len(data) // 16):
+        data[place] ^= 0xFF
+    path.write_bytes(data)
+    told = [note for note in read_run(path).notes if "broken" in note]
+    assert len(told) == 1
+    assert "records are broken and left out" in told[0]
+
+
 def test_rubbish_never_ends_in_a_traceback(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     whole = (write_bag(tmp_path / "whole", 60) / "whole_0.mcap").read_bytes()

@@ -242,3 +242,39 @@ def test_what_comes_in_envelopes_is_in_the_bag_once_and_strangers_are_heard_by_n
         count = {connection.topic: connection.msgcount for connection in reader.connections}
     assert count["/joint_states"] == count["/odom"] == count["/left_foot/wrench"] == 200
     assert count["/com"] == count["/clock"] == 40
+
+
+def test_the_leaders_wrenches_are_in_the_bag_once_and_peoples_as_often_as_they_come(tmp_path: Path) -> None:
+    """By name half of the leader's messages are lost, as may happen to those sent best effort."""
+    graph = Graph()
+    topic, count = "leader/left_hand/wrench", 60
+    envelope = Envelope(NODES["leader"])
+    sealed = graph.node.create_publisher(UInt8MultiArray, envelope_topic("leader"), DEEP)
+    named = graph.node.create_publisher(WrenchStamped, topic, DEEP)
+    # Each is serialised once: the gaps between the fields hold whatever lay in memory.
+    leaders = [wrench(5 * number, 7.0, "world") for number in range(count)]
+    person = wrench(0, 1.0, "world")
+    try:
+        recorder = start_recorder(tmp_path / "run")
+        deadline = time.monotonic() + PATIENCE
+        while not (sealed.get_subscription_count() and named.get_subscription_count()):
+            assert time.monotonic() < deadline, "the recorder was not found"
+            time.sleep(0.02)
+        graph.publish(range(10))
+        for number, data in enumerate(leaders):
+            parts = [data if name == topic else b"" for name in envelope.topics]
+            if number % 4 == 0:
+                named.publish(data)
+            sealed.publish(envelope.seal(5 * number * TICK_NS, parts))
+            if number % 4 == 1:
+                named.publish(data)
+            named.publish(person)
+            time.sleep(0.01)
+        graph.wait_until_written(2 * count)
+        assert end(recorder, signal.SIGTERM) == 0
+    finally:
+        graph.close()
+    with AnyReader([tmp_path / "run"]) as reader:
+        recorded = [raw for c, _, raw in reader.messages() if c.topic == f"/{topic}"]
+    assert recorded.count(person) == count
+    assert all(recorded.count(data) == 1 for data in leaders)

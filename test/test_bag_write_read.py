@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +28,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from follower_humanoid.bag.definitions import definition
+from follower_humanoid.bag.mcap_writer import McapWriter
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.bag.recorder import Arrival
 from follower_humanoid.bag.writer import About, BagWriter
@@ -172,6 +175,30 @@ def test_gait_without_heading_heads_where_it_walks(tmp_path: Path) -> None:
     made = [a for a in arrivals(3) if a.topic.name != "gait"]
     made.append(Arrival(TOPICS["gait"], named_values(0, values), START, START))
     assert read_run(write_bag(tmp_path / "gait", made=made))["gait"].heading.tolist() == [0.2]
+
+
+def test_of_a_written_chunk_only_its_entry_in_the_index_is_kept_in_memory() -> None:
+    channels, chunks = 40, 200
+    with open(os.devnull, "wb") as stream:
+        writer = McapWriter(stream, "ros2", "test")
+        schema = writer.add_schema("s", "")
+        numbers = [writer.add_channel(f"/{number}", schema, {}) for number in range(channels)]
+
+        def write(first: int) -> None:
+            for chunk in range(first, first + chunks):
+                for number in numbers:
+                    writer.add_message(number, 1000 * chunk, 1000 * chunk, b"")
+                writer.flush()
+
+        write(0)
+        tracemalloc.start()
+        try:
+            write(chunks)
+            kept, _ = tracemalloc.get_traced_memory()
+        finally:
+            tracemalloc.stop()
+    entry = 10 * channels + 100  # where each channel's messages are, and the rest of the record
+    assert kept < 2.0 * entry * chunks
 
 
 def test_nothing_is_overwritten(bag: Path) -> None:

@@ -172,6 +172,39 @@ def test_after_a_restart_earlier_results_are_absent():
     assert values["balance/reference"] is None
 
 
+@pytest.mark.parametrize("name", sorted(EVERYONE - {"simulator", "leader"}))
+def test_after_a_late_restart_nobody_is_taken_for_left_behind(name):
+    lock = LockStep(NODES[name], EVERYONE)
+    begin = 50_000
+    lock.restart(begin)
+    # A neighbour may be a period ahead: its first message comes while nothing of before is awaited.
+    for tick in range(begin, begin + 11):
+        for topic in lock.topics:
+            if tick % PRODUCER[topic].period == 0:
+                feed(lock, topic, [tick])
+    while lock.ready and lock.tick <= begin + 10:
+        values = lock.take()
+    assert lock.tick > begin + 10
+    assert all(value is not None for value in values.values())
+    assert lock.strange == 0
+
+
+def test_after_a_late_restart_a_stranger_that_keeps_the_ticks_is_waited_for():
+    lock = LockStep(NODES["zmp_balance"], without("motion_composition"))
+    lock.restart(50_000)
+    feed(lock, "motion/reference", [50_000])
+    for tick in (50_000, 50_001):
+        for topic in lock.topics:
+            if topic not in ("motion/reference",):
+                feed(lock, topic, [tick])
+        assert lock.ready
+        values = lock.take()
+    assert values["motion/reference"] == "motion/reference@50000"
+    assert [missing.topic for missing in lock.missing() if missing.topic.startswith("motion/ref")] == [
+        "motion/reference"
+    ]
+
+
 def walk(lock, steps, held="gait"):
     """Steps of a node whose other inputs all come; what it got on the held topic."""
     seen = []

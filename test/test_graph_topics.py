@@ -13,7 +13,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 
-from follower_humanoid.bag.recorder import ADJUSTED
+from follower_humanoid.bag.recorder import ADJUSTED, HOLDING
 from follower_humanoid.core.topics import READERS, TOPICS
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, PRODUCER, SIMULATOR, WIRING, used_tick
@@ -27,7 +27,7 @@ from follower_humanoid.ros.simulator_node import SimulatorNode
 
 NAMESPACE = "/robots"
 ENVELOPES = {envelope_topic(name, slow) for name in NODES for slow in (False, True)}
-OWN = {"robot_description", ABSENT, ADJUSTED, RESET, CLOCK, LEAVE, "graph/ready", *ENVELOPES}
+OWN = {"robot_description", ABSENT, ADJUSTED, HOLDING, RESET, CLOCK, LEAVE, "graph/ready", *ENVELOPES}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
 

@@ -108,6 +108,15 @@ def test_sourced_ros_is_not_hidden_by_wheels(tmp_path):
     assert not any(script.startswith("ros2 ") for script in words["entry_points"]["console_scripts"])
 
 
+def test_wheels_of_an_environment_are_no_ros_installation(tmp_path, setup):
+    """Installed once more in the shell in which `ros2 run` finds the package."""
+    (tmp_path / "share" / "rclpy").mkdir(parents=True)
+    (tmp_path / "pyvenv.cfg").write_text("version = 3.11\n")
+    words = setup_words(str(tmp_path))
+    assert words["install_requires"] == setup["install_requires"]
+    assert words["entry_points"] == setup["entry_points"]
+
+
 def test_ros2_has_a_stand_in_where_no_ros_is_sourced(setup):
     assert "ros2 = follower_humanoid.ros2_front.main:main" in setup["entry_points"]["console_scripts"]
     assert importlib.util.find_spec("follower_humanoid.ros2_front.main")

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from report_run import DURATION, SWINGS, TICK, flow, walking
 
 from follower_humanoid.bag.qos import offered_qos
@@ -66,6 +68,21 @@ def test_every_picture_is_drawn(run: Run, tmp_path: Path) -> None:
         rows = list(csv.DictReader(stream))
     assert [row["length [m]"] for row in rows] == ["0.400", "0.400", "0.000"]
     assert all(file.is_file() for file in report.files)
+
+
+def test_a_figure_is_laid_out_once_for_both_files(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    laid_out: list[object] = []
+    execute = ConstrainedLayoutEngine.execute
+
+    def counted(self: ConstrainedLayoutEngine, fig: Figure) -> object:
+        laid_out.append(fig)
+        return execute(self, fig)
+
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", counted)
+    make_report([("walk", run)], tmp_path)
+    assert len(laid_out) == len(set(map(id, laid_out))) == len(PICTURES)
 
 
 def test_several_runs_share_the_figures(run: Run, tmp_path: Path) -> None:

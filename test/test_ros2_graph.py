@@ -185,6 +185,24 @@ def test_parameters_are_read_and_set(robot):
     assert dumped["names"] == ["a", "b"]
 
 
+def test_a_node_without_parameter_services_is_passed_over(robot):
+    mute = rclpy.create_node("mute", context=robot.context, start_parameter_services=False)
+    try:
+        assert "/mute" in ros2("node", "list").splitlines()
+        told = ros2("param", "list")
+    finally:
+        mute.destroy_node()
+    assert "/lab/robot:\n  gain\n" in told
+    assert "mute" not in told
+
+
+def test_where_nobody_is_nothing_is_listed():
+    alone = {**ENVIRONMENT, "ROS_DOMAIN_ID": str(DOMAIN + 100)}
+    for words in (("node", "list"), ("lifecycle", "nodes"), ("param", "list")):
+        done = subprocess.run([*MAIN, *words], env=alone, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 def test_services_are_listed_and_called(robot):
     assert "/lab/light [std_srvs/srv/SetBool]" in ros2("service", "list", "-t").splitlines()
     told = ros2("service", "call", "/lab/light", "std_srvs/srv/SetBool", "{data: true}")

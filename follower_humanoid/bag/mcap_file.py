@@ -81,6 +81,7 @@ class McapFile:
         self.metadata: dict[str, dict[str, str]] = {}
         self.notes: list[str] = []
         self._schemas: dict[int, str] = {}
+        self._broken: list[str] = []
         self._unpacker = Unpacker(path.stat().st_size if path.is_file() else 0)
         try:
             with path.open("rb") as stream:
@@ -93,6 +94,7 @@ class McapFile:
         """The messages of one chunk after the other; what cannot be read is noted and left out."""
         size = self.path.stat().st_size
         whole = False
+        self._broken.clear()
         with self.path.open("rb") as stream:
             position = stream.seek(len(MAGIC))
             while position + _FRAME.size <= size:
@@ -106,6 +108,10 @@ class McapFile:
                 messages = self._record(opcode, stream.read(length))
                 if messages:
                     yield messages
+        if self._broken:
+            count = len(self._broken)
+            records = "a record is" if count == 1 else f"{count} records are"
+            self.notes.append(f"{self.path.name}: {records} broken and left out ({self._broken[0]})")
         if not whole:
             self.notes.append(f"{self.path.name} has no end: the recording was cut off")
 
@@ -150,9 +156,7 @@ class McapFile:
             else:
                 self._describe(opcode, body)
         except BROKEN as error:
-            self.notes.append(
-                f"{self.path.name}: a record is broken and left out ({error or type(error).__name__})"
-            )
+            self._broken.append(str(error) or type(error).__name__)
         return []
 
     def _unpack(self, chunk: Chunk) -> list[Message]:

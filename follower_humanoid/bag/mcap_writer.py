@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 import zlib
 from array import array
+from collections.abc import Iterable
 from typing import Any, BinaryIO
 
 import zstandard
@@ -55,7 +56,9 @@ class McapWriter:
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._counts: list[int] = [0]  # by channel id, which counts from 1
-        self._chunks: list[ChunkIndex] = []
+        self._chunk_count = 0
+        # As records: objects would take ten times as much, and a recording of hours has thousands.
+        self._chunk_indices = bytearray()
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
         self._first_time: int | None = None
@@ -149,18 +152,17 @@ class McapWriter:
         self.flush()
         self._put(_record(DataEnd(0)))
         start = self._position
-        groups: list[tuple[int, list[Any]]] = [
-            (Opcode.SCHEMA, self._schemas),
-            (Opcode.CHANNEL, self._channels),
-            (Opcode.STATISTICS, [self._statistics()]),
-            (Opcode.CHUNK_INDEX, self._chunks),
-            (Opcode.ATTACHMENT_INDEX, self._attachments),
-            (Opcode.METADATA_INDEX, self._metadata),
+        groups: list[tuple[int, bytes]] = [
+            (Opcode.SCHEMA, _records(self._schemas)),
+            (Opcode.CHANNEL, _records(self._channels)),
+            (Opcode.STATISTICS, _record(self._statistics())),
+            (Opcode.CHUNK_INDEX, bytes(self._chunk_indices)),
+            (Opcode.ATTACHMENT_INDEX, _records(self._attachments)),
+            (Opcode.METADATA_INDEX, _records(self._metadata)),
         ]
         summary = bytearray()
         offsets = bytearray()
-        for opcode, records in groups:
-            part = b"".join(_record(record) for record in records)
+        for opcode, part in groups:
             if part:
                 offsets += _record(
                     SummaryOffset(opcode, group_start=start + len(summary), group_length=len(part))
@@ -227,7 +229,8 @@ class McapWriter:
             packed_entries = entries.tobytes()
             size = len(packed_entries)
             indices += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size) + packed_entries
-        self._chunks.append(
+        self._chunk_count += 1
+        self._chunk_indices += _record(
             ChunkIndex(
                 chunk_start_offset=begin,
                 chunk_length=len(chunk),
@@ -250,13 +253,17 @@ class McapWriter:
             attachment_count=len(self._attachments),
             channel_count=len(self._channels),
             channel_message_counts=counts,
-            chunk_count=len(self._chunks),
+            chunk_count=self._chunk_count,
             message_count=sum(counts.values()),
             metadata_count=len(self._metadata),
             message_start_time=first,
             message_end_time=last,
             schema_count=len(self._schemas),
         )
+
+
+def _records(records: Iterable[Any]) -> bytes:
+    return b"".join(_record(record) for record in records)
 
 
 def _record(record: Any) -> bytes:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,14 +14,14 @@ from follower_humanoid.bag.cdr import CdrError, Cursor, decode_batch
 from follower_humanoid.bag.layouts import IRREGULAR, WALKS
 from follower_humanoid.bag.mcap_file import McapFile, Message, bag_files
 from follower_humanoid.bag.parameter_events import parameter_event
-from follower_humanoid.bag.recorder import ADJUSTED
+from follower_humanoid.bag.recorder import ADJUSTED, HOLDING
 from follower_humanoid.bag.writer import ABOUT_METADATA, URDF_ATTACHMENT
 from follower_humanoid.core import samples
 from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.core.samples import Array
 from follower_humanoid.core.topics import TOPICS, Topic
 from follower_humanoid.errors import ConfigurationError
-from follower_humanoid.graph.record import Adjusted, Integers, Run, Series
+from follower_humanoid.graph.record import Adjusted, Holding, Integers, Run, Series
 
 _NEEDED = ("joint_states", "odom")
 # Slack of a person's stamp against the time it was received at before it is taken for a foreign clock.
@@ -54,7 +54,7 @@ def read_run(bag: Path, namespace: str | None = None) -> Run:
     """
     files = [McapFile(path) for path in bag_files(bag)]
     collected: dict[str, _Collected] = {}
-    changes: list[bytes] = []
+    changes: dict[str, list[bytes]] = {ADJUSTED: [], HOLDING: []}
     prefix = None if namespace is None else f"/{namespace.strip('/')}/".replace("//", "/")
     for file in files:
         for messages in file.chunks():
@@ -88,7 +88,7 @@ def _collect(
     messages: list[Message],
     prefix: str | None,
     collected: dict[str, _Collected],
-    changes: list[bytes],
+    changes: dict[str, list[bytes]],
 ) -> None:
     if prefix is None:
         return
@@ -102,8 +102,8 @@ def _collect(
         name = info.topic.removeprefix(prefix)
         if name in TOPICS:
             _decode(collected.setdefault(name, _Collected(TOPICS[name])), group)
-        elif name == ADJUSTED:
-            changes += [message.data for message in group]
+        elif name in changes:
+            changes[name] += [message.data for message in group]
 
 
 def _decode(into: _Collected, messages: list[Message]) -> None:
@@ -163,7 +163,10 @@ def _decode_irregular(into: _Collected, messages: list[Message]) -> None:
 
 
 def _run(
-    files: Sequence[McapFile], collected: dict[str, _Collected], changes: list[bytes], notes: list[str]
+    files: Sequence[McapFile],
+    collected: dict[str, _Collected],
+    changes: dict[str, list[bytes]],
+    notes: list[str],
 ) -> Run:
     attachments = {name: data for file in files for name, data in file.attachments.items()}
     about = {name: data.decode("utf-8", errors="replace") for name, data in attachments.items()}
@@ -186,18 +189,38 @@ def _run(
     missing = int(states[-1] - states[0] + 1 - len(states))
     if missing:
         notes.append(f"joint_states: {missing} of {states[-1] - states[0] + 1} ticks are missing")
-    adjusted = _adjusted(changes, tick_ns, notes)
-    return Run(tick_ns / NANOSECONDS, joints.names, urdf, series, about, tuple(notes), adjusted)
+    adjusted = _changes(ADJUSTED, _adjusted, changes, tick_ns, notes)
+    holding = _changes(HOLDING, _holding, changes, tick_ns, notes)
+    return Run(tick_ns / NANOSECONDS, joints.names, urdf, series, about, tuple(notes), adjusted, holding)
 
 
-def _adjusted(changes: list[bytes], tick_ns: int, notes: list[str]) -> tuple[Adjusted, ...]:
-    found = []
-    for data in changes:
+def _adjusted(cursor: Cursor, tick_ns: int) -> Adjusted:
+    stamp, node, values = parameter_event(cursor)
+    return Adjusted(round(stamp / tick_ns), node, values)
+
+
+def _holding(cursor: Cursor, tick_ns: int) -> Holding:
+    stamp, topics = cursor.header()
+    return Holding(round(stamp / tick_ns), tuple(name for name in topics.split(",") if name))
+
+
+Change = TypeVar("Change", Adjusted, Holding)
+
+
+def _changes(
+    topic: str,
+    decode: Callable[[Cursor, int], Change],
+    changes: dict[str, list[bytes]],
+    tick_ns: int,
+    notes: list[str],
+) -> tuple[Change, ...]:
+    """What happened during the run, in the order of time."""
+    found: list[Change] = []
+    for data in changes[topic]:
         try:
-            stamp, node, values = parameter_event(Cursor(data))
-            found.append(Adjusted(round(stamp / tick_ns), node, values))
+            found.append(decode(Cursor(data), tick_ns))
         except CdrError as error:
-            notes.append(f"{ADJUSTED}: a message cannot be decoded and is left out: {error}")
+            notes.append(f"{topic}: a message cannot be decoded and is left out: {error}")
     return tuple(sorted(found, key=lambda change: change.tick))
 
 

@@ -45,6 +45,8 @@ EVERY_MESSAGE = frozenset(
 STATE = "joint_states"
 ADJUSTED = "graph/adjusted"
 """Parameters that were changed during the run, with the time of the first tick that used them."""
+HOLDING = "graph/holding"
+"""When the drives held for want of motor commands: stamp of the first tick, names of what was missing."""
 
 # Stamps of any clock: these cannot be thinned out by them. Footsteps are sent when they change.
 _FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
@@ -97,7 +99,7 @@ class Recorded:
 
 
 def recorded_topics() -> tuple[Recorded, ...]:
-    """Every topic of the contract, adjusted parameters, the clock and the diagnostics."""
+    """Every topic of the contract, what else a repetition needs, the clock and the diagnostics."""
     listed = []
     for topic in TOPICS.values():
         # An array of markers begins with its length; the stamp is that of the first marker.
@@ -106,6 +108,7 @@ def recorded_topics() -> tuple[Recorded, ...]:
         reliable = topic.name not in _FROM_PEOPLE
         listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], thinned, reliable, offset))
     listed.append(Recorded(ADJUSTED, "rcl_interfaces/msg/ParameterEvent", False, True))
+    listed.append(Recorded(HOLDING, "std_msgs/msg/Header", False, True))
     listed.append(Recorded("clock", "rosgraph_msgs/msg/Clock", True, False))
     listed.append(Recorded("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", False, False))
     return tuple(listed)

@@ -15,7 +15,7 @@ from follower_humanoid.core.topics import TOPICS
 from follower_humanoid.faults.case import Effort, survived
 from follower_humanoid.faults.mutations import damaged_bytes
 from follower_humanoid.graph.graph_config import RunConfig
-from follower_humanoid.graph.resimulate import samples_of
+from follower_humanoid.graph.record import samples_of
 from follower_humanoid.graph.simulate import simulate
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.robot.model import RobotModel

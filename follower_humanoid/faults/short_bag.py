@@ -9,8 +9,7 @@ from pathlib import Path
 from follower_humanoid.bag.recorder import Recorded, recorded_topics
 from follower_humanoid.bag.writer import About, BagWriter
 from follower_humanoid.core.cdr import NANOSECONDS
-from follower_humanoid.graph.record import Run
-from follower_humanoid.graph.resimulate import samples_of
+from follower_humanoid.graph.record import Run, samples_of
 from follower_humanoid.graph.simulate import TICK, simulate
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.codecs import Codec

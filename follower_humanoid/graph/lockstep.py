@@ -204,7 +204,8 @@ class LockStep:
             return False  # nobody waits for it
         if entry.foreign and sample is not None:
             floor = 0 if entry.awaited is None else entry.awaited
-            if entry.held or not on_grid or tick is None or not floor <= tick <= floor + _FAR_AHEAD:
+            furthest = max(floor, self._origin) + _FAR_AHEAD
+            if entry.held or not on_grid or tick is None or not floor <= tick <= furthest:
                 return self._hold(entry, sample)
         elif tick is None or not on_grid:
             self.late += 1
@@ -215,7 +216,7 @@ class LockStep:
             return False
         if entry.left is not None:
             return self._come_back(entry, tick, sample)
-        if tick > floor + _FURTHEST:
+        if tick > max(floor, self._origin) + _FURTHEST:  # after a reset nothing of before is awaited
             self.strange += 1
             return False
         entry.samples[tick] = sample

@@ -94,6 +94,19 @@ class Adjusted:
 
 
 @dataclass(frozen=True)
+class Holding:
+    """Motor commands that did not come in time, so that the drives held.
+
+    Attributes:
+        tick: The first without them.
+        topics: Without which from then on; empty: all are there again.
+    """
+
+    tick: int
+    topics: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Run:
     """A whole run.
 
@@ -105,6 +118,7 @@ class Run:
         about: What a repetition needs (parameters, programme, versions, seed), as texts.
         notes: What is missing or was repaired, one sentence each; empty for a whole run.
         adjusted: Parameters changed during the run, in the order of time.
+        holding: When the motor drives held for want of commands, in the order of time.
     """
 
     tick: float
@@ -114,6 +128,7 @@ class Run:
     about: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     adjusted: tuple[Adjusted, ...] = ()
+    holding: tuple[Holding, ...] = ()
 
     def __getitem__(self, topic: str) -> Series:
         if topic not in self.series:
@@ -160,10 +175,15 @@ class RunRecorder:
         self._ticks: dict[str, list[int]] = {name: [] for name in TOPICS}
         self._samples: dict[str, list[Sample]] = {name: [] for name in TOPICS}
         self._adjusted: list[Adjusted] = []
+        self._holding: list[Holding] = []
 
     def adjust(self, adjusted: Adjusted) -> None:
         """Keeps a change of parameters."""
         self._adjusted.append(adjusted)
+
+    def hold(self, holding: Holding) -> None:
+        """Keeps that the motor drives hold from a tick on, or no longer do."""
+        self._holding.append(holding)
 
     def add(self, topic: str, tick: int, sample: Sample) -> None:
         """Keeps one sample; samples of a topic come in the order of their ticks.
@@ -185,8 +205,10 @@ class RunRecorder:
             if collected:
                 ticks = np.array(self._ticks[name], dtype=np.int64)
                 series[name] = stacked(TOPICS[name], ticks, ticks * tick_ns, collected)
-        adjusted = tuple(self._adjusted)
-        return Run(self._tick, self._joint_names, self._urdf, series, self._about, notes, adjusted)
+        return Run(
+            self._tick, self._joint_names, self._urdf, series, self._about, notes,
+            tuple(self._adjusted), tuple(self._holding),
+        )  # fmt: skip
 
 
 def stacked(topic: Topic, ticks: Integers, stamps: Integers, collected: list[Any]) -> Series:
@@ -215,3 +237,19 @@ def stacked(topic: Topic, ticks: Integers, stamps: Integers, collected: list[Any
             message = f"{topic.name}: the size of {entry.name} changes within the run"
             raise ConfigurationError(message) from None
     return Series(topic, ticks, stamps, fields, texts)
+
+
+def samples_of(series: Series) -> dict[int, Any]:
+    """Tick → sample of a series, as it was before it was recorded."""
+    ticks = series.ticks.tolist()
+    if series.samples:
+        return dict(zip(ticks, series.samples, strict=True))
+    names = [entry.name for entry in dataclasses.fields(series.topic.kind)]
+    columns = [series.texts[name] if name in series.texts else series.fields[name] for name in names]
+    kind = series.topic.kind
+    return {tick: kind(*(_entry(column, row) for column in columns)) for row, tick in enumerate(ticks)}
+
+
+def _entry(column: Any, row: int) -> Any:
+    value = column[row]
+    return float(value) if isinstance(value, np.floating) else value

@@ -39,6 +39,7 @@ def repetition_notes(
     for change in adjusted:
         words = ", ".join(f"{name} = {value}" for name, value in change.values.items())
         yield f"{change.node}: {words} from {change.tick * run.tick:.3f} s on"
+    yield from _holding_notes(run)
 
 
 def _version_notes(run: Run) -> Iterator[str]:
@@ -58,6 +59,15 @@ def _gap_notes(run: Run, applied: Iterable[str]) -> Iterator[str]:
         missing = count - len(np.unique(run[topic].ticks))
         if missing > 0:
             yield f"{topic}: {missing} of {count} ticks are missing; the wrench before is held there"
+
+
+def _holding_notes(run: Run) -> Iterator[str]:
+    beginnings = [holding for holding in run.holding if holding.topics]
+    if not beginnings:
+        return
+    listed = ", ".join(sorted({topic for holding in beginnings for topic in holding.topics}))
+    first, times = beginnings[0].tick * run.tick, len(beginnings)
+    yield f"the motor drives held {times} times for want of {listed}, first at {first:.3f} s"
 
 
 def _foreign_notes(run: Run, nodes: frozenset[str]) -> Iterator[str]:

@@ -5,6 +5,8 @@ the wrenches that people and the leader applied. What is taken from the bag:
 
 - the applied wrenches, in the place of the leader and of people;
 - parameters that were changed during the run, at their ticks;
+- motor commands that came too late in real time, or not at all from a deactivated controller, so that
+  the drives held;
 - resets, told by the robot standing as at time 0 again;
 - the topics of nodes that were not this package's own (`bringup --without NODE`).
 """
@@ -26,7 +28,7 @@ from follower_humanoid.core.yaml_file import parse_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.graph_config import LEADER
 from follower_humanoid.graph.node_configs import node_parameters
-from follower_humanoid.graph.record import Adjusted, Run, RunRecorder, Series
+from follower_humanoid.graph.record import Adjusted, Run, RunRecorder, Series, samples_of
 from follower_humanoid.graph.repetition_notes import repetition_notes
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR, NodeWiring, nodes_with
@@ -35,6 +37,7 @@ from follower_humanoid.robot.model import RobotModel
 PARAMETERS = "parameters.yaml"
 SEQUENCE = "sequence.yaml"
 _COMPOSITION = "motion_composition"
+_COMMANDS = {topic: name for name, topic in NODES[SIMULATOR].inputs.items() if topic.endswith("/command")}
 _KEY = "ros__parameters"
 # Input of the simulator → topic that tells what acted.
 APPLIED = {
@@ -192,6 +195,9 @@ class Repetition(Chain):
         self._changes: dict[int, list[Adjusted]] = {}
         for change in recorded.adjusted:
             self._changes.setdefault(change.tick, []).append(change)
+        self._holding = {holding.tick: holding for holding in recorded.run.holding}
+        self._without: tuple[str, ...] = ()
+        self._said = {t: frozenset(recorded.run[t].ticks.tolist()) for t in _COMMANDS if t in recorded.run}
         self._held = {
             name: _Held(recorded.run[topic], recorded.ticks) for name, topic in APPLIED.items()
         }
@@ -207,6 +213,9 @@ class Repetition(Chain):
         """One control tick, or the reset that took its place."""
         for change in self._changes.get(self.tick, ()):
             self.adjust(change.node, change.values)
+        if self.tick in self._holding:
+            self._without = self._holding[self.tick].topics
+            self.recorder.hold(self._holding[self.tick])
         for topic, samples in self._foreign.items():
             if self.tick in samples:
                 self._flow[topic][self.tick] = samples[self.tick]
@@ -236,13 +245,19 @@ class Repetition(Chain):
         }
         self.tick += 1
 
+    def _is_idle(self, node: NodeWiring) -> bool:
+        """A controller that was deactivated: what only came too late was recorded all the same."""
+        missing = [topic for topic in node.outputs.values() if topic in self._without]
+        return any(self.tick not in self._said.get(topic, ()) for topic in missing)
+
     def _inputs(self, node: Any) -> Any:
         inputs = super()._inputs(node)
         if node.name != SIMULATOR:
             return inputs
         # The state of a tick tells what acted in the tick before it.
         wrenches = {name: held.at(self.tick + 1) for name, held in self._held.items()}
-        return dataclasses.replace(inputs, **wrenches)
+        missing = {_COMMANDS[topic]: None for topic in self._without if topic in _COMMANDS}
+        return dataclasses.replace(inputs, **wrenches, **missing)
 
 
 def _with_carried_sequence(recorded: Recorded, folder: Path) -> Mapping[str, Mapping[str, Any]]:
@@ -285,19 +300,3 @@ class _Held:
             return None
         row = self._rows[tick]
         return Wrench(self._force[row], self._torque[row])
-
-
-def samples_of(series: Series) -> dict[int, Any]:
-    """Tick → sample, as it was before it was recorded."""
-    ticks = series.ticks.tolist()
-    if series.samples:
-        return dict(zip(ticks, series.samples, strict=True))
-    names = [entry.name for entry in dataclasses.fields(series.topic.kind)]
-    columns = [series.texts[name] if name in series.texts else series.fields[name] for name in names]
-    kind = series.topic.kind
-    return {tick: kind(*(_entry(column, row) for column in columns)) for row, tick in enumerate(ticks)}
-
-
-def _entry(column: Any, row: int) -> Any:
-    value = column[row]
-    return float(value) if isinstance(value, np.floating) else value

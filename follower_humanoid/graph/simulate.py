@@ -86,7 +86,7 @@ class Chain:
         simulator = NODES[SIMULATOR]
         self._publish(simulator, self.simulator.observe())
         for node in self.nodes:
-            if node.name != SIMULATOR and tick % node.period == 0:
+            if node.name != SIMULATOR and tick % node.period == 0 and not self._is_idle(node):
                 self._publish(node, self.components[node.name].step(self._inputs(node), time))
         self.simulator.advance(self._inputs(simulator))
         self.tick += 1
@@ -114,6 +114,10 @@ class Chain:
     def _make(self, node: NodeWiring) -> Any:
         config = build(node.component_class().Config, self._parameters.get(node.name, {}), node.name)
         return node.make(config, self.robot, self.tick_length)
+
+    def _is_idle(self, node: NodeWiring) -> bool:
+        """Whether a node takes no step at this tick and has nothing to say."""
+        return False
 
     def _inputs(self, node: NodeWiring) -> Any:
         wires = self._wires[node.name]

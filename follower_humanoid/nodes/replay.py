@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import signal
 import sys
 from functools import partial
@@ -35,9 +34,6 @@ def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
     if given.bag_out is not None and not (given.simulate or given.verify):
         raise ConfigurationError("--bag needs --simulate: what is only played is in a bag already")
     if given.simulate or given.verify:
-        # As in the graph; before NumPy is imported.
-        for library in ("OMP", "OPENBLAS", "MKL"):
-            os.environ.setdefault(f"{library}_NUM_THREADS", "1")
         from follower_humanoid.replay.again import simulate_again
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)

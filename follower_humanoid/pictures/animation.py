@@ -28,10 +28,11 @@ def animation(view: View) -> str:
         recorded = server.get_scene_serializer()
         length = tape.end - tape.begin
         frames = max(1, min(round(FRAMES_PER_SECOND * length), _LARGEST))
-        for frame in range(frames + 1):
-            time = tape.begin + length * frame / frames
-            stage.draw(tape.moment(time), tape.trail(time))
-            recorded.insert_sleep(length / frames)
+        with server.atomic():  # nobody listens: the server's thread need not be woken for each message
+            for frame in range(frames + 1):
+                time = tape.begin + length * frame / frames
+                stage.draw(tape.moment(time), tape.trail(time))
+                recorded.insert_sleep(length / frames)
         return str(recorded.as_html())
     finally:
         with redirect_stdout(io.StringIO()):

@@ -57,6 +57,29 @@ class _EnvelopeTap:
         yield from (part for part in (*self.parts, self.clock) if part is not None)
 
 
+class _LeaderCopies:
+    """Messages that the leader sends in its envelope and by name: each is kept once, whichever comes first.
+
+    People publish by the same names, best effort perhaps, so that what is heard there may be lost; the
+    envelopes are not. A person's message is in none of them and is kept however often it comes.
+    """
+
+    def __init__(self) -> None:
+        self._seen: dict[bool, dict[tuple[str, bytes], None]] = {False: {}, True: {}}
+
+    def is_new(self, topic: str, data: bytes, sealed: bool) -> bool:
+        """Whether a message has not come the other way; `sealed`: it came in an envelope."""
+        key = (topic, data)
+        if key in self._seen[not sealed]:
+            del self._seen[not sealed][key]
+            return False
+        mine = self._seen[sealed]
+        mine[key] = None
+        if len(mine) > _DEPTH:
+            del mine[next(iter(mine))]
+        return True
+
+
 class RecorderTaps:
     """The recorder's subscriptions."""
 
@@ -65,16 +88,19 @@ class RecorderTaps:
         self._node = node
         self._by_name: dict[str, tuple[Recorded, Any]] = {}
         self._envelopes: list[_EnvelopeTap] = []
+        self._copies = _LeaderCopies()
 
     def open(self) -> None:
         """Subscribes."""
         waiting = {topic.name: topic for topic in recorded_topics()}
         for name, wiring in nodes_with(self._node.present).items():
             envelope = Envelope(wiring)
-            mine = {topic for topic in envelope.topics if topic not in PEOPLE and not self._is_apart(topic)}
+            mine = {topic for topic in envelope.topics if not self._is_apart(topic)}
             if name not in self._node.present or not mine:
                 continue
-            parts = tuple(waiting.pop(topic) if topic in mine else None for topic in envelope.topics)
+            parts = tuple(waiting[topic] if topic in mine else None for topic in envelope.topics)
+            for heard in mine - PEOPLE:  # those of people are heard by name too
+                del waiting[heard]
             clock = waiting.pop(CLOCK) if name == SIMULATOR and not self._is_apart(CLOCK) else None
             subscription = self._subscribe(_ENVELOPE, envelope_topic(name), True)
             self._envelopes.append(_EnvelopeTap(envelope, parts, clock, subscription))
@@ -98,7 +124,8 @@ class RecorderTaps:
         """Empties the queues."""
         for topic, subscription in list(self._by_name.values()):
             for data, received, published in _queue(subscription):
-                recording.take(Arrival(topic, data, received, published))
+                if topic.name not in PEOPLE or self._copies.is_new(topic.name, data, sealed=False):
+                    recording.take(Arrival(topic, data, received, published))
         for tap in self._envelopes:
             for data, received, published in _queue(tap.subscription):
                 try:
@@ -111,7 +138,9 @@ class RecorderTaps:
                 if tap.clock is not None:
                     recording.take(Arrival(tap.clock, clock_bytes(stamp), received, published))
                 for part, message in zip(tap.parts, messages, strict=True):
-                    if part is not None and message:
+                    if part is None or not message:
+                        continue
+                    if part.name not in PEOPLE or self._copies.is_new(part.name, message, sealed=True):
                         recording.take(Arrival(part, message, received, published))
 
     def hears_everyone(self) -> bool:

@@ -12,13 +12,22 @@ from rclpy.serialization import serialize_message
 
 from follower_humanoid.bag.about import about_run
 from follower_humanoid.bag.qos import offered_qos
-from follower_humanoid.bag.recorder import ADJUSTED, STATE, Arrival, Recorded, Recording, recorded_topics
+from follower_humanoid.bag.recorder import (
+    ADJUSTED,
+    HOLDING,
+    STATE,
+    Arrival,
+    Recorded,
+    Recording,
+    recorded_topics,
+)
 from follower_humanoid.bag.writer import About, BagWriter
 from follower_humanoid.core.cdr import NANOSECONDS, clock_bytes
 from follower_humanoid.core.samples import Sample
-from follower_humanoid.graph.record import Adjusted, Run, RunRecorder
+from follower_humanoid.graph.record import Adjusted, Holding, Run, RunRecorder
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.codecs import Codec
+from follower_humanoid.ros.holding import holding_message
 
 _RATE = 100.0  # of topics that are thinned out, as the recorder's default [Hz]
 _CLOCK = "clock"
@@ -75,6 +84,11 @@ class SimulatedBag(RunRecorder):
             for name, value in adjusted.values.items()
         ]
         self._take(ADJUSTED, bytes(serialize_message(event)), stamp)
+
+    def hold(self, holding: Holding) -> None:
+        """Writes that the motor drives hold from a tick on, or no longer do."""
+        stamp = holding.tick * self._tick_ns
+        self._take(HOLDING, bytes(serialize_message(holding_message(holding, stamp))), stamp)
 
     def close(self) -> None:
         """Ends the bag."""

@@ -20,6 +20,7 @@ from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
 from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
 from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
+from follower_humanoid.ros.holding import HoldingDrives
 from follower_humanoid.ros.lockstep_node import LockStepNode
 from follower_humanoid.ros.managed_node import FAILED
 from follower_humanoid.ros.outcome import ENDED, EXIT_STATUS
@@ -51,6 +52,7 @@ class SimulatorNode(LockStepNode):
         self._joint_hash = hashlib.sha256()
         self._speed = (0.0, 0)
         self._pace: Pace | None = None
+        self._holding = HoldingDrives(self)
 
     def awaited_topics(self) -> tuple[str, ...]:
         """Commands of what can move, and the leader's wrenches where the built-in leader runs."""
@@ -73,6 +75,7 @@ class SimulatorNode(LockStepNode):
         if self._barrier is not None and not again:
             self._reset_publisher = self.make_publisher(Header, RESET)
             self._barrier.watch(self._reset_publisher, self._roll_call.others)
+            self._holding.open(self._barrier)
         self._people = {topic: self._person(topic) for topic in sorted(PEOPLE_TOPICS)}
 
     def _person(self, topic: str) -> PeopleWrench:
@@ -143,6 +146,7 @@ class SimulatorNode(LockStepNode):
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One tick of physics, then the next state."""
+        self._holding.note(tick, samples)
         values = {self._input_of[topic]: sample for topic, sample in samples.items()}
         for person in self._people.values():
             held = person.at(tick * self.graph.tick)

@@ -42,7 +42,8 @@ def _known(node: Node, name: str) -> str:
 def _nodes(args: argparse.Namespace) -> int:
     with graph_node(args) as node:
         discover(node, args)
-        print("\n".join(_lifecycle_nodes(node)))
+        for name in _lifecycle_nodes(node):
+            print(name)
     return 0
 
 

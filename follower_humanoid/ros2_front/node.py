@@ -26,7 +26,8 @@ def _list(args: argparse.Namespace) -> int:
     with graph_node(args) as node:
         discover(node, args)
         names = node_names(node, args.all)
-        print(len(names) if args.count_nodes else "\n".join(names))
+        for line in [len(names)] if args.count_nodes else names:
+            print(line)
     return 0
 
 

@@ -57,7 +57,12 @@ def _list(args: argparse.Namespace) -> int:
             nodes = [full_name(args.node_name)]
         else:
             discover(node, args)
-            nodes = node_names(node, args.include_hidden_nodes)
+            services = dict(node.get_service_names_and_types())
+            nodes = [
+                name
+                for name in node_names(node, args.include_hidden_nodes)
+                if f"{name}/list_parameters" in services  # a node may do without parameter services
+            ]
         for name in nodes:
             try:
                 listed = _names(node, name, args.param_prefixes)
