@@ -58,6 +58,18 @@ def test_polygon_is_closed_and_planned_steps_are_pale(moment):
     assert 2 * np.arctan2(taken.pose.orientation.z, taken.pose.orientation.w) == pytest.approx(0.3)
 
 
+def test_no_two_markers_of_a_message_share_a_name_and_steps_that_are_gone_are_deleted(moment):
+    markers = Markers(Skeleton())
+    fewer = Moment(moment.time, {**moment.samples, "footsteps": Footsteps(moment["footsteps"].steps[:1])})
+    for shown, steps, gone in ((moment, 2, 0), (fewer, 1, 1), (fewer, 1, 1), (moment, 2, 0)):
+        found = markers.of(shown).markers
+        assert len({(m.ns, m.id) for m in found}) == len(found)
+        assert all(m.action in (m.ADD, m.DELETE) for m in found)
+        footsteps = [m for m in found if m.ns == "footsteps"]
+        assert sum(m.action == m.ADD for m in footsteps) == steps
+        assert sum(m.action == m.DELETE for m in footsteps) == gone
+
+
 def test_every_marker_is_in_the_world_at_the_time_of_the_state(moment):
     for marker in Markers(Skeleton()).of(moment).markers:
         assert marker.header.frame_id == "world"
