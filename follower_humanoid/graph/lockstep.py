@@ -179,7 +179,7 @@ class LockStep:
         if entry.held and sample is None:
             return False  # nobody waits for it
         if entry.foreign and sample is not None:
-            floor = 0 if entry.awaited is None else entry.awaited
+            floor = self._origin if entry.awaited is None else entry.awaited
             if entry.held or not on_grid or tick is None or not floor <= tick <= floor + _FAR_AHEAD:
                 return self._hold(entry, sample)
         elif tick is None or not on_grid:
@@ -191,7 +191,7 @@ class LockStep:
             return False
         if entry.left is not None:
             return self._come_back(entry, tick, sample)
-        if tick > floor + _FURTHEST:
+        if tick > max(floor, self._origin) + _FURTHEST:
             self.strange += 1
             return False
         entry.samples[tick] = sample
