@@ -1,5 +1,7 @@
 """Markers and scene agree with what was measured."""
 
+import dataclasses
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -128,6 +130,17 @@ def test_the_trail_remembers_each_footprint_once(moment):
         trail = keeper.add(moment)
     assert [step.side for step in trail.prints] == [Side.LEFT]
     assert keeper.add(moment) is trail
+
+
+def test_a_robot_that_is_put_elsewhere_begins_a_trail_anew(moment):
+    keeper = TrailKeeper()
+    keeper.add(moment)
+    elsewhere = dataclasses.replace(
+        moment["odom"], position=moment["odom"].position + np.array([2.0, 0.0, 0.0])
+    )
+    trail = keeper.add(Moment(moment.time, {"odom": elsewhere}))
+    np.testing.assert_array_equal(trail.path, [elsewhere.position])
+    assert trail.prints == ()
 
 
 def test_margin_and_words(moment):

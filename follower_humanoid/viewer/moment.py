@@ -81,6 +81,8 @@ class TrailKeeper:
 
     STRIDE = 0.03
     """Distance between two points of the path [m]."""
+    JUMP = 0.5
+    """Nobody walks that far between two looks: the robot was put elsewhere [m]."""
     _LONGEST = 2000
     _PRINTS = 400
     _SAME = 0.01  # m
@@ -94,7 +96,9 @@ class TrailKeeper:
         path, prints = self.trail.path, self.trail.prints
         if "odom" in moment:
             here = moment["odom"].position
-            gap = np.linalg.norm(here[:2] - path[-1, :2]) if len(path) else math.inf
+            gap = np.linalg.norm(here[:2] - path[-1, :2]) if len(path) else self.STRIDE + 1e-9
+            if gap > self.JUMP:
+                path, prints = path[:0], ()
             if gap > self.STRIDE:
                 path = np.vstack((path, here))[-self._LONGEST :]
         if "footsteps" in moment:

@@ -24,7 +24,7 @@ from follower_humanoid.pictures.palette import (
 )
 from follower_humanoid.viewer.figure import Figure
 from follower_humanoid.viewer.meshes import disc, fan, light, rim
-from follower_humanoid.viewer.moment import Moment, Trail
+from follower_humanoid.viewer.moment import Moment, Trail, TrailKeeper
 from follower_humanoid.viewer.skeleton import Skeleton
 
 _CORNERS = 12  # of a support polygon: two feet of six points
@@ -205,7 +205,8 @@ class Stage:
         path = trail.path.copy()
         path[:, 2] = _TRAIL
         segments = np.stack((path[:-1], path[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
-        self._draw_lines("trail", segments)
+        walked = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) < TrailKeeper.JUMP
+        self._draw_lines("trail", segments[walked])
 
     def _draw_outlines(self, name: str, side: Side, steps: Sequence[Footstep]) -> None:
         segments = [self._outline(step) for step in steps if step.side is side]
