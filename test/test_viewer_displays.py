@@ -138,7 +138,7 @@ def test_a_robot_that_is_put_elsewhere_begins_a_trail_anew(moment):
     elsewhere = dataclasses.replace(
         moment["odom"], position=moment["odom"].position + np.array([2.0, 0.0, 0.0])
     )
-    trail = keeper.add(Moment(moment.time, {"odom": elsewhere}))
+    trail = keeper.add(Moment(moment.time, {**moment.samples, "odom": elsewhere}))
     np.testing.assert_array_equal(trail.path, [elsewhere.position])
     assert trail.prints == ()
 

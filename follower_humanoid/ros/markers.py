@@ -16,6 +16,7 @@ from follower_humanoid.pictures.palette import (
     FORCE,
     HAND_FORCE_SCALE,
     PCM,
+    PUSH_SCALE,
     SIDE_COLORS,
     ZMP,
 )
@@ -55,7 +56,7 @@ class Markers:
             sole = self._skeleton.pose(f"{side.prefix}_sole")
             foot = FOOT_FORCE_SCALE * sole.rotation @ moment.force(f"{side.value}_foot/wrench")
             yield _arrow("foot_force", number, np.array(sole.translation), foot, FORCE)
-        push = HAND_FORCE_SCALE * moment.force("base/applied")
+        push = PUSH_SCALE * moment.force("base/applied")
         yield _arrow("push", 0, self._skeleton.position("base_link"), push, FORCE)
 
     @staticmethod

@@ -181,7 +181,6 @@ class ViewerNode(ManagedNode):
     def _reset_asked(self) -> None:
         def ask() -> None:
             self._reset.call_async(Trigger.Request())
-            self._trail.forget()
 
         self._orders.put(ask)
 

@@ -19,6 +19,7 @@ from follower_humanoid.pictures.palette import (
     FORCE,
     HAND_FORCE_SCALE,
     PCM,
+    PUSH_SCALE,
     SIDE_COLORS,
     ZMP,
 )
@@ -177,7 +178,7 @@ class Stage:
             force = sole.rotation @ moment.force(f"{side.value}_foot/wrench")
             feet.append((np.array(sole.translation), FOOT_FORCE_SCALE * force))
         pelvis = self._skeleton.position("base_link")
-        hands.append((pelvis, HAND_FORCE_SCALE * moment.force("base/applied")))
+        hands.append((pelvis, PUSH_SCALE * moment.force("base/applied")))
         self._show_arrows(self._hand_arrows, hands)
         self._show_arrows(self._foot_arrows, feet)
 
