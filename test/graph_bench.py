@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -18,9 +19,29 @@ from follower_humanoid.resources import node_command
 PATIENCE = 90.0  # wall time for anything that takes seconds on a free machine [s]
 
 
+def free_domain() -> int:
+    """A ROS domain in which nobody is: others may run beside us, and so may another test run."""
+    domains = random.sample(range(1, 101), 100)
+    return next((domain for domain in domains if all(map(_is_free, _ports(domain)))), domains[0])
+
+
+def _ports(domain: int) -> range:
+    """Where the first participants of a domain listen (DDSI-RTPS, default port numbers)."""
+    return range(7400 + 250 * domain + 10, 7400 + 250 * domain + 50)
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(("", port))
+        except OSError:
+            return False
+    return True
+
+
 def environment() -> dict[str, str]:
-    """A ROS domain of its own for each run: others may run beside it."""
-    return {**os.environ, "ROS_DOMAIN_ID": str(random.randint(1, 100))}
+    """A ROS domain of its own for each run."""
+    return {**os.environ, "ROS_DOMAIN_ID": str(free_domain())}
 
 
 def wait_until(condition, patience: float = PATIENCE) -> bool:
@@ -99,11 +120,11 @@ class Bringup:
 
 
 @contextmanager
-def bringup(folder: Path, *args: str) -> Iterator[Bringup]:
+def bringup(folder: Path, *args: str, env: dict[str, str] | None = None) -> Iterator[Bringup]:
     """A bringup with these arguments; at the end nothing of it is left."""
     number = random.randint(0, 10**9)
     out, err = folder / f"out{number}.txt", folder / f"err{number}.txt"
-    own = environment()
+    own = env or environment()
     with out.open("w") as o, err.open("w") as e:
         process = subprocess.Popen(
             [*node_command("bringup"), *args], cwd=folder, env=own, stdout=o, stderr=e, text=True

@@ -157,6 +157,34 @@ def test_motor_commands_are_waited_for_whoever_sends_them():
     assert not lock.ready
 
 
+@pytest.mark.parametrize("name", sorted(NODES))
+@pytest.mark.parametrize("tick", [50, 10_000])
+def test_a_restart_begins_anew_however_late_it_comes(name, tick):
+    lock = LockStep(NODES[name], EVERYONE)
+    lock.restart(tick)
+    for now in range(tick, tick + 20):
+        for topic in lock.topics:
+            period = 1 if topic == CLOCK else PRODUCER[topic].period
+            if now % period == 0:
+                feed(lock, topic, [now])
+        while lock.ready and lock.tick <= now:
+            lock.take()
+    assert lock.tick > tick + 15
+    assert lock.strange == 0
+
+
+def test_after_a_late_restart_a_stranger_that_keeps_the_ticks_is_still_waited_for():
+    lock = LockStep(NODES["motion_composition"], without("gait_mapping"))
+    lock.restart(10_000)
+    lock.put("gait", 10_000, "slow")
+    gait = walk(lock, 10)
+    assert gait[-1] == "slow"
+    for topic in lock.topics:
+        if topic != "gait":
+            feed(lock, topic, [lock.tick])
+    assert {missing.topic for missing in lock.missing()} == {"gait"}
+
+
 def test_after_a_restart_earlier_results_are_absent():
     lock = LockStep(NODES["leg_controller"], EVERYONE)
     for tick in range(3):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 import rclpy
 from bag_messages import START, TICK_NS, write_bag
+from graph_bench import free_domain
 from nav_msgs.msg import Odometry
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
@@ -26,7 +26,7 @@ from std_srvs.srv import Trigger
 from follower_humanoid.replay.events import events
 from follower_humanoid.replay.index import index_bag
 
-DOMAIN = random.randint(1, 100)
+DOMAIN = free_domain()
 COMMAND = [sys.executable, "-m", "follower_humanoid.nodes.replay"]
 ENVIRONMENT = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -16,6 +15,7 @@ import pytest
 import rclpy
 import yaml
 from geometry_msgs.msg import WrenchStamped
+from graph_bench import free_domain
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.lifecycle import LifecycleNode
@@ -24,7 +24,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
-DOMAIN = random.randint(1, 100)
+DOMAIN = free_domain()
 MAIN = [sys.executable, "-m", "follower_humanoid.ros2_front.main"]
 ENVIRONMENT = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN), "PATH": "/usr/bin:/bin"}
 RATE = 50.0

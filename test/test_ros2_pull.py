@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -12,12 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from graph_bench import free_domain
 
 from follower_humanoid.bag.mcap_file import McapFile
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.bag.writer import About, BagWriter
 
-ENVIRONMENT = {**os.environ, "ROS_DOMAIN_ID": str(random.randint(1, 100)), "PATH": "/usr/bin:/bin"}
+ENVIRONMENT = {**os.environ, "ROS_DOMAIN_ID": str(free_domain()), "PATH": "/usr/bin:/bin"}
 ROS2 = [sys.executable, "-m", "follower_humanoid.ros2_front.main"]
 RUN = [*ROS2, "run", "follower_humanoid"]
 DURATION = 5.0  # in real time at most, so that the commands below come before its end

@@ -1,5 +1,7 @@
 """Markers and scene agree with what was measured."""
 
+import dataclasses
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -56,6 +58,18 @@ def test_polygon_is_closed_and_planned_steps_are_pale(moment):
     taken, planned = [m for m in markers if m.ns == "footsteps" and m.action == m.ADD]
     assert planned.color.a < 0.5 < taken.color.a
     assert 2 * np.arctan2(taken.pose.orientation.z, taken.pose.orientation.w) == pytest.approx(0.3)
+
+
+def test_no_two_markers_of_a_message_share_a_name_and_steps_that_are_gone_are_deleted(moment):
+    markers = Markers(Skeleton())
+    fewer = Moment(moment.time, {**moment.samples, "footsteps": Footsteps(moment["footsteps"].steps[:1])})
+    for shown, steps, gone in ((moment, 2, 0), (fewer, 1, 1), (fewer, 1, 1), (moment, 2, 0)):
+        found = markers.of(shown).markers
+        assert len({(m.ns, m.id) for m in found}) == len(found)
+        assert all(m.action in (m.ADD, m.DELETE) for m in found)
+        footsteps = [m for m in found if m.ns == "footsteps"]
+        assert sum(m.action == m.ADD for m in footsteps) == steps
+        assert sum(m.action == m.DELETE for m in footsteps) == gone
 
 
 def test_every_marker_is_in_the_world_at_the_time_of_the_state(moment):
@@ -116,6 +130,17 @@ def test_the_trail_remembers_each_footprint_once(moment):
         trail = keeper.add(moment)
     assert [step.side for step in trail.prints] == [Side.LEFT]
     assert keeper.add(moment) is trail
+
+
+def test_a_robot_that_is_put_elsewhere_begins_a_trail_anew(moment):
+    keeper = TrailKeeper()
+    keeper.add(moment)
+    elsewhere = dataclasses.replace(
+        moment["odom"], position=moment["odom"].position + np.array([2.0, 0.0, 0.0])
+    )
+    trail = keeper.add(Moment(moment.time, {**moment.samples, "odom": elsewhere}))
+    np.testing.assert_array_equal(trail.path, [elsewhere.position])
+    assert trail.prints == ()
 
 
 def test_margin_and_words(moment):

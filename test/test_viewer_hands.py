@@ -15,6 +15,14 @@ FORWARD = np.array([0.1, 0.0, 0.0])
 GRIP = np.array([0.02, -0.03, 0.01])
 
 
+def test_a_level_leash_stays_level_with_a_hand_that_sinks():
+    hands = Hands(CONFIG)
+    hands.pull_to(LEFT, 1, HAND + GRIP, 0.0, GRIP, level=True)
+    hands.pull_to(LEFT, 1, HAND + GRIP + FORWARD, 0.0, level=True)
+    force = hands.force(LEFT, HAND - [0.0, 0.0, 0.08], 0.0)
+    np.testing.assert_allclose(force, CONFIG.stiffness * FORWARD, atol=1e-12)
+
+
 @pytest.fixture
 def hands() -> Hands:
     return Hands(CONFIG)

@@ -1,15 +1,20 @@
 """Layouts of other tools name topics, joints and frames that exist."""
 
+import importlib
 import json
 import re
 import xml.etree.ElementTree as ElementTree
 
 import pytest
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
 
 from follower_humanoid.core.topics import TOPICS
 from follower_humanoid.resources import share_path
 from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.launch_options import displays_command
 
 KNOWN = {*TOPICS, "robot_description", "markers", "diagnostics"}
@@ -65,6 +70,47 @@ def test_foxglove_names_topics_and_frames_that_exist(robot):
     for frame in panels["3D!follower"]["transforms"]:
         assert frame == "frame:world" or robot.frame_id(frame.removeprefix("frame:"))
     assert {text for text in leaves(layout["layout"]) if "!" in text} == set(panels)
+
+
+def type_of(topic: str) -> type:
+    """ROS message class of a topic."""
+    if topic in TOPICS:
+        return Codec(topic, RobotModel()).message_type
+    return {"robot_description": String, "markers": MarkerArray, "diagnostics": DiagnosticArray}[topic]
+
+
+def resolve(path: str) -> str:
+    """ROS type of what a path such as `/odom.pose.pose.position.x` names."""
+    words = re.findall(r"[^.\[\]]+", path)
+    topic = topic_in(words[0])
+    assert words[0] == f"/{topic}"
+    kind = type_of(topic)
+    for word in words[1:]:
+        if word.isdigit():
+            continue
+        text = kind.get_fields_and_field_types()[word]
+        element = re.sub(r"^sequence<(.+?)(?:, \d+)?>$|\[\d+\]$", r"\1", text)
+        package, _, name = element.partition("/")
+        kind = getattr(importlib.import_module(f"{package}.msg"), name) if name else element
+    return kind if isinstance(kind, str) else kind.__name__
+
+
+def test_foxglove_plots_numbers(robot):
+    panels = json.loads(share_path("config/foxglove/follower.json").read_text())["configById"]
+    paths = [path["value"] for panel in panels.values() for path in panel.get("paths", ())]
+    assert len(paths) > 15
+    assert {resolve(path) for path in paths} == {"double"}
+    volts = [robot.joint_names[index] for index in robot.groups.legs]
+    for path in panels["Plot!volts"]["paths"]:
+        number = int(re.search(r"\[(\d+)\]", path["value"]).group(1))
+        side, _, rest = path["label"].partition(" ")
+        assert volts[number] == f"{side[0]}_{rest.replace(' ', '_')}"
+
+
+def test_foxglove_shows_in_3d_what_it_can_draw():
+    drawn = {"MarkerArray", "PolygonStamped", "PointStamped", "String"}
+    topics = json.loads(share_path("config/foxglove/follower.json").read_text())["configById"]["3D!follower"]
+    assert {type_of(topic_in(topic)).__name__ for topic in topics["topics"]} <= drawn
 
 
 def test_plotjuggler_names_curves_that_exist(robot):

@@ -14,6 +14,7 @@ from follower_humanoid.pictures.shapes import visual_shapes
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.viewer.bag_page import BagPage
 from follower_humanoid.viewer.config import PullConfig, ViewerConfig
+from follower_humanoid.viewer.meshes import copies
 from follower_humanoid.viewer.moment import Moment, Trail
 from follower_humanoid.viewer.page import Page
 from follower_humanoid.viewer.skeleton import Skeleton
@@ -21,6 +22,7 @@ from follower_humanoid.viewer.skeleton import Skeleton
 pytestmark = needs_browser
 CONFIG = ViewerConfig(port=0, shadows=False, rate=10.0, pull=PullConfig(patience=1.2))
 STANDING = np.zeros(45)
+LINKS = {name: kind.links for name, kind in copies(RobotModel().urdf).items()}
 
 
 @pytest.fixture(scope="module")
@@ -109,10 +111,12 @@ def test_links_and_handles_are_where_joints_and_base_put_them(robot, shown, brow
 
         browser.wait(lambda: off(browser.node("/world/handles/left_hand"), "l_gripper", np.zeros(3)) < 1e-3)
         assert off(browser.node("/world/handles/right_hand"), "r_gripper", np.zeros(3)) < 1e-3
-        for kind in ("box", "cylinder", "sphere"):
-            shapes = [shape for shape in visual_shapes(robot.urdf) if shape.kind == kind]
-            found = browser.copies(f"/world/robot/{kind}", len(shapes))
-            for shape, placed in zip(shapes, found, strict=True):
+        shapes = visual_shapes(robot.urdf)
+        for name, links in LINKS.items():
+            own = [s for s in shapes if s.kind == name.split("_")[0] and s.link in links]
+            assert [shape.link for shape in own] == list(links)
+            found = browser.copies(f"/world/robot/{name}", len(own))
+            for shape, placed in zip(own, found, strict=True):
                 assert off(placed, shape.link, np.array(shape.position)) < 1e-3
                 axes = placed[:3, :3] / np.linalg.norm(placed[:3, :3], axis=0)
                 turned = wanted(shape.link)[:3, :3] @ shape.rotation
@@ -165,6 +169,15 @@ def test_keys_push_and_reset(shown, browser):
     np.testing.assert_allclose(shown.pushes[0], [0.0, 8.0, 0.0], atol=1e-9)
     browser.keys("r")
     browser.wait(lambda: shown.resets)
+
+
+def test_legs_are_of_glass_until_a_key_makes_them_solid(shown, browser):
+    browser.script("document.activeElement.blur()")
+    assert browser.opacity("/world/robot/box") == 1.0
+    for see_through in (False, True):
+        browser.wait(lambda s=see_through: (browser.opacity("/world/robot/box_below_knee") < 1.0) is not s)
+        browser.keys("g")
+    browser.wait(lambda: browser.opacity("/world/robot/box_below_knee") < 1.0)
 
 
 def test_sliders_work_by_keyboard_and_the_button_lets_go(shown, browser):

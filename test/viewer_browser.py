@@ -52,6 +52,10 @@ return Array.from({length: arguments[1]}, (_, i) => {
   return Array.from(inWorld(placed(found).multiply(one)));
 });"""
 )
+_OPACITY = """
+let found = null;
+window.__viserMutable.nodeRefFromName[arguments[0]].traverse((o) => { if (o.material) found = o.material; });
+return found.opacity;"""
 # The library's hint that there is no graphics card would lie over the robot.
 _WITHOUT_HINTS = """
 const style = document.createElement("style");
@@ -109,6 +113,10 @@ class Browser:
     def copies(self, name: str, count: int) -> np.ndarray:
         """Placements of the copies of a batched mesh in `/world`, scales included, shape (count, 4, 4)."""
         return np.array(self.script(_COPIES, name, count)).reshape(count, 4, 4).transpose(0, 2, 1)
+
+    def opacity(self, name: str) -> float:
+        """Of the material of a scene node."""
+        return float(self.script(_OPACITY, name))
 
     def grab(self, node: str, by: tuple[int, int], steps: int = 4) -> None:
         """Presses on a scene node and drags by so many pixels; the button stays down."""

@@ -18,9 +18,7 @@ from follower_humanoid.bag.reader import read_run
 from follower_humanoid.viewer.bag_page import BagPage
 from follower_humanoid.viewer.config import ViewerConfig
 
-QUICK = """
-motion_composition:
-  ros__parameters: {walker.half_step_time: 0.7, footsteps.half_step_length: 0.3}
+VIEWER = """
 viewer:
   ros__parameters: {port: 0, rate: 8.0}
 """
@@ -31,8 +29,8 @@ _FADE = 8.0  # the scene appears slowly where there is no graphics card [s]
 def led_by_the_hand(browser: Browser, folder: Path) -> None:
     """A live robot whose left hand is dragged."""
     with tempfile.TemporaryDirectory() as work:
-        (Path(work) / "quick.yaml").write_text(QUICK)
-        arguments = "--composed --leader none --bag none --view --params quick.yaml".split()
+        (Path(work) / "viewer.yaml").write_text(VIEWER)
+        arguments = "--composed --leader none --bag none --view --params viewer.yaml".split()
         with bringup(Path(work), *arguments) as run:
             run.wait_until_it_runs()
             pattern = r"viewer: (http\S+)"

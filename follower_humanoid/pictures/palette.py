@@ -14,5 +14,7 @@ FORCE, DCM = "#E69F00", "#56B4E9"
 
 HAND_FORCE_SCALE = 0.05
 """Length of an arrow that shows what pulls at a hand [m/N]."""
+PUSH_SCALE = 0.01
+"""Length of an arrow that shows what pushes the pelvis [m/N]."""
 FOOT_FORCE_SCALE = 0.0007
 """Length of an arrow that shows what the ground does to a foot [m/N]."""

@@ -16,6 +16,7 @@ from lifecycle_msgs.msg import Transition
 from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.compile import import_components
+from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
@@ -31,6 +32,7 @@ COMPOSED = "composed"
 _LONGEST_START = 60.0
 _LONGEST_STOP = 20.0  # s, for a slow disk; at a signal: _HASTE
 _HASTE = 2.6
+_LOOK_AROUND = 0.25  # until those that run already are known [s]
 _SILENT = 3.0  # without diagnostics for that long a node counts as stuck [s]
 
 
@@ -72,6 +74,8 @@ class BringupRun:
 
     def _start_and_watch(self, arguments: list[str]) -> int:
         plan, director = self._plan, self._director
+        director.spin(_LOOK_AROUND)
+        self._refuse_company(0)
         if plan.options.bag:
             about = self._folder / "about.yaml"
             about.write_text(yaml.safe_dump(plan.about, allow_unicode=True), encoding="utf-8")
@@ -126,6 +130,7 @@ class BringupRun:
         deadline = time.monotonic() + _LONGEST_START
         for nodes, transition in stages:
             self._director.begin(nodes, transition)
+            self._refuse_company(1)
             while unanswered := self._director.unanswered():
                 self._director.spin(0.02)
                 if (end := self._end_in_sight()) is not None:
@@ -134,6 +139,23 @@ class BringupRun:
                     self._say(f"not ready after {_LONGEST_START:.0f} s: {', '.join(unanswered)}")
                     return End(Outcome.LATE)
         return None
+
+    def _refuse_company(self, own: int) -> None:
+        """Two graphs under the same names would command, and end, each other's nodes.
+
+        Args:
+            own: How many of each node are ours.
+
+        Raises:
+            ConfigurationError: There are more.
+        """
+        found = self._director.more_than(own, self._plan.nodes)
+        if found:
+            domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+            raise ConfigurationError(
+                f"another robot runs in ROS domain {domain} under namespace '/{self._director.namespace}': "
+                f"{', '.join(found)}; valid: another --namespace, or another ROS_DOMAIN_ID"
+            )
 
     def _end(self, end: End) -> int:
         """Ends everyone, sums up, and says what the run came to."""

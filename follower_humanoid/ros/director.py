@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -103,6 +103,12 @@ class Director:
             get = self.node.create_client(GetState, f"{node}/get_state")
             self._clients[node] = (change, get)
         return self._clients[node]
+
+    def more_than(self, own: int, nodes: Iterable[str]) -> list[str]:
+        """Those nodes that run more often than so many times in this namespace."""
+        space = self._namespace or "/"
+        running = [name for name, where in self.node.get_node_names_and_namespaces() if where == space]
+        return [name for name in nodes if running.count(name) > own]
 
     def begin(self, nodes: Sequence[str], transition: int) -> None:
         """Asks nodes for a transition."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,7 +14,7 @@ from follower_humanoid.viewer.push import Push
 
 _PUSH = "base/push"
 _DEPTH = 10  # reliable: whoever listens understands it
-_LET_GO = 0.3  # wall time for which it is told that a hand was let go [s]
+_LAST_WORDS = 10  # as often it is told that a hand was let go, however long that takes on a busy machine
 
 
 class Leading:
@@ -25,18 +24,19 @@ class Leading:
         """Args: whose publishers, and the robot that is led."""
         self._node, self._robot = node, robot
         self._publishers: dict[str, tuple[Codec, Any]] = {}
-        self._pulled_at: dict[Side, float] = {}
+        self._owed = dict.fromkeys(SIDES, 0)  # last words that are still to come
         self.push = Push()
 
     def pull(self, forces: Mapping[Side, Array | None], stamp: int) -> None:
         """Publishes the forces of hands that are held [N], and zero for a while once they are not."""
-        now = time.monotonic()
         for side in SIDES:
             force = forces.get(side)
             if force is not None:
-                self._pulled_at[side] = now
-            elif now - self._pulled_at.get(side, -_LET_GO) >= _LET_GO:
+                self._owed[side] = _LAST_WORDS
+            elif self._owed[side] == 0:
                 continue
+            else:
+                self._owed[side] -= 1
             self._publish(f"leader/{side.value}_hand/wrench", np.zeros(3) if force is None else force, stamp)
 
     def go_on_pushing(self, stamp: int) -> None:

@@ -16,6 +16,7 @@ from follower_humanoid.pictures.palette import (
     FORCE,
     HAND_FORCE_SCALE,
     PCM,
+    PUSH_SCALE,
     SIDE_COLORS,
     ZMP,
 )
@@ -34,6 +35,7 @@ class Markers:
     def __init__(self, skeleton: Skeleton) -> None:
         """Args: the robot; it is placed anew for every moment."""
         self._skeleton = skeleton
+        self._steps_shown = 0
 
     def of(self, moment: Moment) -> MarkerArray:
         """All markers of a moment; what is not there is taken away."""
@@ -53,8 +55,8 @@ class Markers:
             yield _arrow("hand_force", number, grip, hand, FORCE)
             sole = self._skeleton.pose(f"{side.prefix}_sole")
             foot = FOOT_FORCE_SCALE * sole.rotation @ moment.force(f"{side.value}_foot/wrench")
-            yield _arrow("foot_force", number, np.array(sole.translation), foot, PCM)
-        push = HAND_FORCE_SCALE * moment.force("base/applied")
+            yield _arrow("foot_force", number, np.array(sole.translation), foot, FORCE)
+        push = PUSH_SCALE * moment.force("base/applied")
         yield _arrow("push", 0, self._skeleton.position("base_link"), push, FORCE)
 
     @staticmethod
@@ -78,10 +80,9 @@ class Markers:
         marker.points = [_point(vertex) for vertex in (*vertices, *vertices[:1])]
         return marker
 
-    @staticmethod
-    def _steps(moment: Moment) -> Iterator[Marker]:
-        yield Marker(ns="footsteps", action=Marker.DELETEALL)
-        for number, step in enumerate(moment["footsteps"].steps if "footsteps" in moment else ()):
+    def _steps(self, moment: Moment) -> Iterator[Marker]:
+        steps = moment["footsteps"].steps if "footsteps" in moment else ()
+        for number, step in enumerate(steps):
             opacity = 0.9 if step.taken else 0.35
             marker = Marker(ns="footsteps", id=number, type=Marker.CUBE, color=_color(SIDE_COLORS[step.side]))
             marker.color.a = opacity
@@ -89,6 +90,11 @@ class Markers:
             marker.pose.position = _point(step.position)
             marker.pose.orientation.z, marker.pose.orientation.w = np.sin(step.yaw / 2), np.cos(step.yaw / 2)
             yield marker
+        # One by one: some tools take DELETEALL for all of the topic, whatever its namespace. And in every
+        # message, since one may be lost.
+        self._steps_shown = max(self._steps_shown, len(steps))
+        for number in range(len(steps), self._steps_shown):
+            yield Marker(ns="footsteps", id=number, action=Marker.DELETE)
 
 
 def _arrow(namespace: str, number: int, start: Array, arrow: Array, color: str) -> Marker:

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import viser
 
-from follower_humanoid.viewer.meshes import Copies, carried, copies
+from follower_humanoid.viewer.meshes import BELOW_KNEE, Copies, carried, copies
 from follower_humanoid.viewer.skeleton import Skeleton
+
+_GLASS = 0.5  # opacity of what is seen through
 
 
 class Figure:
@@ -24,7 +26,7 @@ class Figure:
         self._positions = np.vstack([kind.positions for kind in kinds.values()])
         self._rotations = np.vstack([kind.rotations for kind in kinds.values()])
         self._ends = np.cumsum([len(kind.links) for kind in kinds.values()])[:-1]
-        self._handles = [self._add(scene, f"{path}/{name}", kind) for name, kind in kinds.items()]
+        self._handles = {name: self._add(scene, f"{path}/{name}", kind) for name, kind in kinds.items()}
         self.move()
 
     def move(self) -> None:
@@ -33,8 +35,14 @@ class Figure:
         positions, wxyz = (np.array([pose[part] for pose in poses]) for part in (0, 1))
         places = carried(positions[self._rows], wxyz[self._rows], self._positions, self._rotations)
         parts = (np.split(place.astype(np.float32), self._ends) for place in places)
-        for handle, xyz, quats in zip(self._handles, *parts, strict=True):
+        for handle, xyz, quats in zip(self._handles.values(), *parts, strict=True):
             handle.batched_positions, handle.batched_wxyzs = xyz, quats
+
+    def show_through(self, glass: bool) -> None:
+        """Whether lower legs and feet are of glass, so that what they hide is seen."""
+        for name, handle in self._handles.items():
+            if name.endswith(BELOW_KNEE):
+                handle.opacity = _GLASS if glass else None
 
     @staticmethod
     def _add(scene: viser.SceneApi, path: str, kind: Copies) -> Any:

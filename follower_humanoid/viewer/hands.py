@@ -26,6 +26,7 @@ class _Hold:
         heard: When it last gave a sign of life [s].
         target: End of a leash in the picture, shape (3,) [m]; None where the force is steady.
         grip: From the hand to where it was taken, shape (3,) [m].
+        level: Whether the leash stays level with the hand, which sinks and rises as the robot walks.
         steady: Force of a steady pull, shape (3,) [N].
     """
 
@@ -34,6 +35,7 @@ class _Hold:
     target: Array | None
     grip: Array
     steady: Array
+    level: bool = False
 
 
 class Hands:
@@ -46,8 +48,18 @@ class Hands:
         self._grips: dict[Side, tuple[int, Array]] = {}  # of drags whose button is down
         self._lock = threading.RLock()
 
-    def pull_to(self, side: Side, page: int, target: Array, now: float, grip: Array | None = None) -> None:
-        """Leads a leash to a point of the picture; `grip` is told when it begins [m].
+    def pull_to(
+        self,
+        side: Side,
+        page: int,
+        target: Array,
+        now: float,
+        grip: Array | None = None,
+        level: bool = False,
+    ) -> None:
+        """Leads a leash to a point of the picture, or level with the hand to below or above that point.
+
+        `grip` is told when it begins [m].
 
         A page that had been silent and drags on takes the hand again, unless somebody else has it now.
         """
@@ -58,7 +70,8 @@ class Hands:
             begun_by, began_at = self._grips.get(side, (None, None))
             if began_at is None or begun_by != page or (hold is not None and hold.target is None):
                 return
-            self._holds[side] = _Hold(page, now, np.array(target, dtype=float), began_at, np.zeros(3))
+            end = np.array(target, dtype=float)
+            self._holds[side] = _Hold(page, now, end, began_at, np.zeros(3), level)
 
     def pull_with(self, side: Side, page: int, force: Array, now: float) -> None:
         """Pulls steadily, force in world [N]; zero lets go."""
@@ -131,6 +144,7 @@ class Hands:
             force = hold.steady
             if hold.target is not None:
                 force = self._config.stiffness * (hold.target - (hand + hold.grip))
+                force[2] *= not hold.level
         size = float(np.linalg.norm(force))
         if size <= self._config.limit:
             return force

@@ -26,6 +26,7 @@ class Leashes:
         self._balls = {side: self._add_ball(side) for side in SIDES}
         self._lines = {side: self._add_line(side) for side in SIDES}
         self._targets: dict[Side, Array] = {}
+        self._level = dict.fromkeys(SIDES, True)
 
     def draw(self) -> None:
         """Moves the handles with the hands."""
@@ -36,6 +37,7 @@ class Leashes:
             self._lines[side].visible = held
             if held:
                 target = self._targets[side] - self._stage.offset
+                target[2] = grip[2] if self._level[side] else target[2]
                 self._lines[side].points = np.array([[grip, target]], dtype=np.float32)
 
     def _add_ball(self, side: Side) -> Any:
@@ -75,6 +77,7 @@ class Leashes:
             if event.phase == "start":
                 hand = self._stage.skeleton.position(f"{side.prefix}_gripper") + self._stage.offset
                 grip = start - hand
-            self._hands.pull_to(side, event.client_id, target, time.monotonic(), grip)
+            self._level[side] = level
+            self._hands.pull_to(side, event.client_id, target, time.monotonic(), grip, level)
 
         return dragged

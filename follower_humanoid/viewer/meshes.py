@@ -12,6 +12,9 @@ from follower_humanoid.core.samples import Array
 from follower_humanoid.pictures.shapes import Shape, visual_shapes
 
 _AROUND, _UP = 20, 10  # facets of a ball; multiples of 4 and 2, so that no vertex lies on a coordinate plane
+BELOW_KNEE = "_below_knee"
+"""Ends the names of copies of lower legs and feet, which may be seen through."""
+_LOWER_LEG = ("_shank", "_ankle_pitch_link", "_ankle", "_toe")
 _ROUNDING = 0.16  # of a rounded edge, part of the box's edges or the cylinder's length
 
 Mesh = tuple[Array, NDArray[np.int64]]
@@ -40,18 +43,20 @@ class Copies:
 
 
 def copies(urdf: str) -> dict[str, Copies]:
-    """The visuals of a URDF by kind.
+    """The visuals of a URDF by kind, those of lower legs and feet apart.
 
     Raises:
         ConfigurationError: Not well-formed.
     """
     by_kind: dict[str, list[Shape]] = {}
     for shape in visual_shapes(urdf):
-        by_kind.setdefault(shape.kind, []).append(shape)
-    return {kind: _copies(kind, shapes) for kind, shapes in by_kind.items()}
+        part = BELOW_KNEE if shape.link.endswith(_LOWER_LEG) else ""
+        by_kind.setdefault(shape.kind + part, []).append(shape)
+    return {name: _copies(shapes) for name, shapes in by_kind.items()}
 
 
-def _copies(kind: str, shapes: list[Shape]) -> Copies:
+def _copies(shapes: list[Shape]) -> Copies:
+    kind = shapes[0].kind
     points, faces = ball()
     if kind == "box":
         points = np.sign(points) * (0.5 - _ROUNDING) + _ROUNDING * points
@@ -67,14 +72,14 @@ def _copies(kind: str, shapes: list[Shape]) -> Copies:
         positions=np.array([shape.position for shape in shapes]),
         rotations=quats[:, [3, 0, 1, 2]],
         scales=np.array([_edges(shape) for shape in shapes]),
-        colors=np.round(255 * _light(np.array([shape.color for shape in shapes]))).astype(np.uint8),
+        colors=light(np.array([shape.color for shape in shapes])),
     )
 
 
-def _light(color: Array) -> Array:
-    """Light of a colour as screens are told it (sRGB), both 0…1: copies of a mesh are coloured by light."""
-    light: Array = np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
-    return light
+def light(color: Array) -> NDArray[np.uint8]:
+    """Light, 0…255, of colours as screens are told them (sRGB, 0…1): copies and arrows are coloured by it."""
+    linear = np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
+    return np.round(255 * linear).astype(np.uint8)
 
 
 def _edges(shape: Shape) -> tuple[float, float, float]:
@@ -106,6 +111,12 @@ def disc(radius: float, corners: int = 24) -> Mesh:
     around = np.arange(corners)
     faces = np.column_stack((np.full(corners, corners), around, (around + 1) % corners))
     return np.vstack((rim, np.zeros(3))), faces
+
+
+def rim(radius: float, corners: int = 24) -> Array:
+    """Edges of such a disc, shape (corners, 2, 3) [m]."""
+    edge = disc(radius, corners)[0][:-1]
+    return np.stack((edge, np.roll(edge, -1, axis=0)), axis=1)
 
 
 def fan(corners: int) -> NDArray[np.int64]:

@@ -81,6 +81,8 @@ class TrailKeeper:
 
     STRIDE = 0.03
     """Distance between two points of the path [m]."""
+    JUMP = 0.25
+    """Nobody walks that far between two looks: the robot was put elsewhere [m]."""
     _LONGEST = 2000
     _PRINTS = 400
     _SAME = 0.01  # m
@@ -88,16 +90,20 @@ class TrailKeeper:
     def __init__(self) -> None:
         """Nothing yet."""
         self.trail = Trail()
+        self._over: Any = None  # footsteps of a walk that is over
 
     def add(self, moment: Moment) -> Trail:
         """The trail with this moment; the same object where nothing has been added."""
         path, prints = self.trail.path, self.trail.prints
         if "odom" in moment:
             here = moment["odom"].position
-            gap = np.linalg.norm(here[:2] - path[-1, :2]) if len(path) else math.inf
+            gap = np.linalg.norm(here[:2] - path[-1, :2]) if len(path) else self.STRIDE + 1e-9
+            if gap > self.JUMP:
+                path, prints = path[:0], ()
+                self._over = moment.samples.get("footsteps")
             if gap > self.STRIDE:
                 path = np.vstack((path, here))[-self._LONGEST :]
-        if "footsteps" in moment:
+        if "footsteps" in moment and moment["footsteps"] is not self._over:
             new = [s for s in moment["footsteps"].steps if s.taken and not self._known(prints, s)]
             prints = (*prints, *new)[-self._PRINTS :]
         if path is not self.trail.path or len(prints) != len(self.trail.prints):

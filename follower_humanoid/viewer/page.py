@@ -15,15 +15,15 @@ import viser
 
 from follower_humanoid.core.samples import SIDES, Array, Side
 from follower_humanoid.errors import ConfigurationError
-from follower_humanoid.pictures.palette import DCM, FORCE, PCM, ZMP
+from follower_humanoid.pictures.palette import DCM, FORCE, LEFT, PCM, RIGHT, ZMP
 from follower_humanoid.viewer.config import ViewerConfig
 from follower_humanoid.viewer.hands import Hands
 from follower_humanoid.viewer.leash import Leashes
 from follower_humanoid.viewer.moment import Moment, Trail
 from follower_humanoid.viewer.panel import LeadPanel, ViewPanel
-from follower_humanoid.viewer.plots import Plots
+from follower_humanoid.viewer.plots import Past, Plots
 from follower_humanoid.viewer.skeleton import Skeleton
-from follower_humanoid.viewer.stage import Stage, place_camera
+from follower_humanoid.viewer.stage import Stage, place_camera, suit_camera
 from follower_humanoid.viewer.words import BAD, GOOD, WAITING, figures, state_words
 
 _WORDS_EVERY = 0.25  # wall time between two looks at the words [s]
@@ -35,7 +35,16 @@ _STYLE = "".join(
     f".state-{mood} {{color: {light}}} [data-mantine-color-scheme=dark] .state-{mood} {{color: {dark}}}"
     for mood, (light, dark) in _COLORS.items()
 )
-_LEGEND = (("CoM", PCM), ("ZMP", ZMP), ("capture point", DCM), ("force", FORCE))
+_STYLE += ".sign {display: inline-block; white-space: nowrap; margin-right: .8em}"
+_LEGEND = (
+    ("●", "CoM", PCM),
+    ("●", "ZMP", ZMP),
+    ("●", "capture point", DCM),
+    ("➜", "force", FORCE),
+    ("━", "trail", PCM),
+    ("▭", "left foot", LEFT),
+    ("▭", "right foot", RIGHT),
+)
 
 
 class Page:
@@ -88,6 +97,7 @@ class Page:
         self._worded = self._plotted = 0.0
         self._words = ""
         self._over = threading.Event()
+        self._server.on_client_connect(suit_camera)
         self._server.on_client_disconnect(self._gone)
         self._heart = threading.Thread(target=self._beat, daemon=True)
         self._heart.start()
@@ -104,13 +114,14 @@ class Page:
         """Whether anybody has the page open."""
         return bool(self._server.get_clients())
 
-    def show(self, moment: Moment, trail: Trail) -> None:
-        """Draws a moment."""
+    def show(self, moment: Moment, trail: Trail, past: Past | None = None) -> None:
+        """Draws a moment; `past` is what was there before, where that is known."""
         with self._server.atomic():
+            self._stage.show_through(self._view.glass)
             self._stage.draw(moment, trail, self._view.follow)
             if self._leashes is not None:
                 self._leashes.draw()
-        self._plots.add(moment)
+        self._plots.add(moment, past)
         now = time.monotonic()
         if now - self._worded > _WORDS_EVERY:
             self._worded = now
@@ -158,9 +169,8 @@ class Page:
             for name, value in rows
         )
         dots = "".join(
-            f'<span style="white-space:nowrap;margin-right:.8em"><span style="color:{color}">●</span> {name}'
-            "</span>"
-            for name, color in _LEGEND
+            f'<span class="sign"><span style="color:{color}">{sign}</span> {name}</span>'
+            for sign, name, color in _LEGEND
         )
         text = (
             f'<style>{_STYLE}</style><div role="status" style="padding:.2em .8em .5em;font-size:.86em">'

@@ -91,6 +91,7 @@ class ViewPanel:
 
     Attributes:
         follow: Whether the robot stays in the middle of the picture.
+        glass: Whether its lower legs let through what they hide.
     """
 
     def __init__(self, server: viser.ViserServer) -> None:
@@ -98,17 +99,26 @@ class ViewPanel:
         self._server = server
         with server.gui.add_folder("View", expand_by_default=False):
             self._follow = server.gui.add_checkbox("Follow the robot", True, hint="Key: F")
+            self._glass = server.gui.add_checkbox(
+                "Legs of glass", True, hint="Key: G. Shows forces and points that feet and shanks hide"
+            )
             self._dark = server.gui.add_checkbox("Dark", False, hint="Key: N")
         self._dark.on_update(lambda _: self._paint())
         server.gui.add_command("Follow the robot", hotkey="F").on_trigger(
             lambda _: self._toggle(self._follow)
         )
+        server.gui.add_command("Legs of glass", hotkey="G").on_trigger(lambda _: self._toggle(self._glass))
         server.gui.add_command("Dark or light", hotkey="N").on_trigger(lambda _: self._toggle(self._dark))
 
     @property
     def follow(self) -> bool:
         """Whether the robot stays in the middle of the picture."""
         return bool(self._follow.value)
+
+    @property
+    def glass(self) -> bool:
+        """Whether the robot's lower legs let through what they hide."""
+        return bool(self._glass.value)
 
     @staticmethod
     def _toggle(box: Any) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,15 +11,16 @@ import numpy as np
 import viser
 import viser.uplot
 
-from follower_humanoid.core.samples import SIDES, Side
+from follower_humanoid.core.samples import SIDES
 from follower_humanoid.pictures.palette import AXIS_COLORS, DCM, PCM, SIDE_COLORS, ZMP
 from follower_humanoid.viewer.moment import Moment
 
 WINDOW = 12.0
 """Length of the curves [s]."""
 _STEP = 0.05  # between two points [s]
-_LONGEST = round(WINDOW / _STEP) + 1
-_HEIGHT = 132  # pixels
+_GAP = 1.0  # a longer silence parts the curves [s]
+_HEIGHT = 140  # pixels
+_PADDING = (10, 24, 0, 0)  # of a plot, so that the uppermost number is whole [pixels]
 # A line that stays at zero lies in the middle of −1 to 1.
 _SOFT: Any = {"min": {"soft": -1.0, "mode": 2, "pad": 0.1}, "max": {"soft": 1.0, "mode": 2, "pad": 0.1}}
 _SCALES = {"x": viser.uplot.Scale(time=False), "y": viser.uplot.Scale(range=_SOFT)}
@@ -34,22 +35,22 @@ class Curve:
     value: Callable[[Moment], float]
 
 
+Past = Callable[[float, float, float], Iterable[Moment]]
+"""What was there after one time and before another, every so many seconds [s]."""
+
+
 def _gait(name: str) -> Callable[[Moment], float]:
     return lambda moment: getattr(moment["gait"], name) if "gait" in moment else np.nan
 
 
-def _pull(side: Side, axis: int) -> Callable[[Moment], float]:
-    return lambda moment: float(moment.force(f"{side.value}_hand/applied")[axis])
-
-
-def _carried(side: Side) -> Callable[[Moment], float]:
-    return lambda moment: float(moment.force(f"{side.value}_foot/wrench")[2])
+def _force(topic: str, axis: int) -> Callable[[Moment], float]:
+    return lambda moment: float(moment[topic].force[axis]) if topic in moment else np.nan
 
 
 PLOTS: Mapping[str, Sequence[Curve]] = {
     **{
         f"Force on the {side.value} hand [N]": [
-            Curve(name, color, _pull(side, axis))
+            Curve(name, color, _force(f"{side.value}_hand/applied", axis))
             for axis, (name, color) in enumerate(zip("xyz", AXIS_COLORS, strict=True))
         ]
         for side in SIDES
@@ -58,7 +59,9 @@ PLOTS: Mapping[str, Sequence[Curve]] = {
         Curve("speed", DCM, _gait("walk_speed")),
         Curve("length", PCM, _gait("step_length")),
     ],
-    "Weight on the feet [N]": [Curve(side.value, SIDE_COLORS[side], _carried(side)) for side in SIDES],
+    "Weight on the feet [N]": [
+        Curve(side.value, SIDE_COLORS[side], _force(f"{side.value}_foot/wrench", 2)) for side in SIDES
+    ],
     "ZMP margin [mm]": [Curve("margin", ZMP, lambda moment: 1000.0 * moment.zmp_margin())],
     "Largest voltage [V]": [Curve("voltage", AXIS_COLORS[1], Moment.peak_voltage)],
     "Real-time factor": [Curve("factor", AXIS_COLORS[0], lambda moment: moment.speed)],
@@ -71,7 +74,7 @@ class Plots:
     def __init__(self, gui: viser.GuiApi, without: Sequence[str] = ()) -> None:
         """Adds the plots where the GUI's context is; `without` names those that are left out."""
         self._plots = {title: curves for title, curves in PLOTS.items() if title not in without}
-        self._rows: deque[list[float]] = deque(maxlen=_LONGEST)
+        self._rows: deque[list[float]] = deque()
         self._handles: list[Any] = []
         for title, curves in self._plots.items():
             series = [viser.uplot.Series(label="t")]
@@ -84,19 +87,34 @@ class Plots:
                     scales=_SCALES,
                     legend=viser.uplot.Legend(show=len(curves) > 1, live=False),
                     height=_HEIGHT,
+                    padding=_PADDING,
                 )
             )
 
-    def add(self, moment: Moment) -> bool:
-        """Takes a moment in; False where too little time has passed for a new point."""
+    def add(self, moment: Moment, past: Past | None = None) -> bool:
+        """Takes a moment in; False where too little time has passed for a new point.
+
+        Args:
+            moment: What is seen now.
+            past: What was there before, where that is known: curves of a recording have no gaps.
+        """
         last = self._rows[-1][0] if self._rows else -np.inf
         if last <= moment.time < last + _STEP:
             return False
-        if moment.time < last:  # another run, or a bag wound back
+        # Otherwise it is another run, a bag wound to elsewhere, or a page that was closed for long.
+        if not last <= moment.time < last + _GAP:
             self._rows.clear()
+            last = moment.time - WINDOW
+        for before in past(last, moment.time, _STEP) if past is not None else ():
+            self._append(before)
+        self._append(moment)
+        while self._rows[0][0] < moment.time - WINDOW:
+            self._rows.popleft()
+        return True
+
+    def _append(self, moment: Moment) -> None:
         values = [curve.value(moment) for curves in self._plots.values() for curve in curves]
         self._rows.append([moment.time, *values])
-        return True
 
     def show(self) -> None:
         """Sends the curves to the pages."""

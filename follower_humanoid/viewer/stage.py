@@ -19,16 +19,19 @@ from follower_humanoid.pictures.palette import (
     FORCE,
     HAND_FORCE_SCALE,
     PCM,
+    PUSH_SCALE,
     SIDE_COLORS,
     ZMP,
 )
 from follower_humanoid.viewer.figure import Figure
-from follower_humanoid.viewer.meshes import disc, fan
-from follower_humanoid.viewer.moment import Moment, Trail
+from follower_humanoid.viewer.meshes import disc, fan, light, rim
+from follower_humanoid.viewer.moment import Moment, Trail, TrailKeeper
 from follower_humanoid.viewer.skeleton import Skeleton
 
 _CORNERS = 12  # of a support polygon: two feet of six points
 _POINTS = {"com": (PCM, 0.030), "zmp": (ZMP, 0.022), "dcm": (DCM, 0.026)}
+_PHONE = 0.7  # width by height of an upright screen
+_DIMMED = 0.6
 _NOTHING = 0.05  # a shorter arrow is not drawn [m]
 # Heights over the ground, so that nothing flickers through what it lies on [m].
 _TRAIL, _PRINT, _POLYGON, _POINT = 0.002, 0.004, 0.006, 0.009
@@ -47,6 +50,14 @@ def place_camera(server: viser.ViserServer) -> None:
     server.initial_camera.fov = 0.72
 
 
+def suit_camera(client: viser.ClientHandle) -> None:
+    """On a phone, where controls cover the lower part, looks from farther away and below the robot."""
+    camera = client.camera
+    if camera.image_width < _PHONE * camera.image_height:
+        with client.atomic():
+            camera.position, camera.look_at = (4.0, -4.65, 0.85), (0.05, 0.0, -0.5)
+
+
 class Stage:
     """Draws moments into a scene."""
 
@@ -57,10 +68,12 @@ class Stage:
         self._world = scene.add_frame("/world", show_axes=False)
         self._lay_ground()
         self._figure = Figure(scene, "/world/robot", skeleton)
+        self._glass = False
+        self.show_through(True)
         self._points = {name: self._add_point(name, *look) for name, look in _POINTS.items()}
         self._polygon = self._add_polygon()
         self._hand_arrows = self._add_arrows("hands", FORCE, 0.012)
-        self._foot_arrows = self._add_arrows("feet", PCM, 0.010)
+        self._foot_arrows = self._add_arrows("feet", FORCE, 0.012)
         self._trail: Trail | None = None
         self._footsteps: Footsteps | None = None
         self._lines = self._add_all_lines()
@@ -86,6 +99,12 @@ class Stage:
         self._draw_forces(moment)
         self._draw_prints(trail, moment["footsteps"] if "footsteps" in moment else Footsteps(()))
 
+    def show_through(self, glass: bool) -> None:
+        """Whether lower legs and feet let through what is under them: forces, points, polygon."""
+        if glass is not self._glass:
+            self._glass = glass
+            self._figure.show_through(glass)
+
     def _lay_ground(self) -> None:
         self._scene.add_grid(
             "/world/ground",
@@ -102,10 +121,14 @@ class Stage:
     def _add_point(self, name: str, color: str, radius: float) -> Any:
         vertices, faces = disc(radius)
         path = f"/world/points/{name}"
-        # Unlit by shadows, or it would be grey under the robot.
-        return self._scene.add_mesh_simple(
-            path, vertices, faces, color=rgb(color), cast_shadow=False, receive_shadow=False, visible=False
+        # Light from above bleaches. Unlit by shadows, or it would be grey under the robot.
+        dimmed = np.round(_DIMMED * np.array(rgb(color))).astype(np.uint8)
+        point = self._scene.add_mesh_simple(
+            path, vertices, faces, color=dimmed, cast_shadow=False, receive_shadow=False, visible=False
         )
+        # Lines keep their colour in any light.
+        self._scene.add_line_segments(f"{path}/rim", rim(radius), rgb(color), thickness=0.006)
+        return point
 
     def _add_polygon(self) -> Any:
         return self._scene.add_mesh_simple(
@@ -124,7 +147,7 @@ class Stage:
         return self._scene.add_arrows(
             f"/world/forces/{name}",
             np.zeros((1, 2, 3)),
-            rgb(color),
+            light(np.array(rgb(color)) / 255.0),
             shaft_radius=radius,
             head_radius=2.4 * radius,
             head_length=6.0 * radius,
@@ -155,7 +178,7 @@ class Stage:
             force = sole.rotation @ moment.force(f"{side.value}_foot/wrench")
             feet.append((np.array(sole.translation), FOOT_FORCE_SCALE * force))
         pelvis = self._skeleton.position("base_link")
-        hands.append((pelvis, HAND_FORCE_SCALE * moment.force("base/applied")))
+        hands.append((pelvis, PUSH_SCALE * moment.force("base/applied")))
         self._show_arrows(self._hand_arrows, hands)
         self._show_arrows(self._foot_arrows, feet)
 
@@ -183,7 +206,8 @@ class Stage:
         path = trail.path.copy()
         path[:, 2] = _TRAIL
         segments = np.stack((path[:-1], path[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
-        self._draw_lines("trail", segments)
+        walked = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) < TrailKeeper.JUMP
+        self._draw_lines("trail", segments[walked])
 
     def _draw_outlines(self, name: str, side: Side, steps: Sequence[Footstep]) -> None:
         segments = [self._outline(step) for step in steps if step.side is side]

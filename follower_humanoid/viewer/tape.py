@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,12 @@ class Tape:
             if row >= 0 or name in ("joint_states", "odom"):
                 samples[name] = _sample(series, max(row, 0))
         return Moment(time, samples)
+
+    def moments(self, after: float, before: float, step: float) -> Iterator[Moment]:
+        """What was there after a time and before another, every `step` [s]."""
+        count = int((before - after) / step - 1e-6)
+        times = (after + step * number for number in range(1, count + 1))
+        return (self.moment(time) for time in times if time >= self.begin)
 
     def trail(self, time: float) -> Trail:
         """What lay on the ground at a time [s]."""

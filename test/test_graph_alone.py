@@ -1,0 +1,31 @@
+"""Two robots under the same names: the second one is refused, and the first one does not notice."""
+
+import pytest
+from graph_bench import bringup
+
+pytestmark = pytest.mark.timeout(300)
+OPTIONS = ("--composed", "--leader", "none", "--bag")
+
+
+def test_a_second_robot_under_the_same_names_is_refused_and_starts_nothing(tmp_path):
+    with bringup(tmp_path, *OPTIONS, "none") as first:
+        first.wait_until_it_runs()
+        with bringup(tmp_path, *OPTIONS, "second", "--duration", "0.1", env=first.environment) as second:
+            assert second.wait() == 2
+            assert "another robot runs in ROS domain" in second.complained
+            assert "--namespace" in second.complained
+            assert len(second.complained.splitlines()) == 1
+        assert not (tmp_path / "second").exists()
+        assert first.process.poll() is None
+        first.end()
+        assert first.process.returncode == 0, first.complained
+        assert first.complained == ""
+
+
+def test_a_second_robot_under_a_namespace_of_its_own_is_welcome(tmp_path):
+    with bringup(tmp_path, *OPTIONS, "none") as first:
+        first.wait_until_it_runs()
+        more = ("none", "--namespace", "other", "--duration", "0.1")
+        with bringup(tmp_path, *OPTIONS, *more, env=first.environment) as second:
+            assert second.wait() == 0, second.complained
+        assert first.process.poll() is None, first.complained
