@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +29,7 @@ from follower_humanoid.robot.body_state import BodyState
 from follower_humanoid.robot.model import RobotModel
 
 
-@dataclass(frozen=True, slots=True)
-class BalanceInputs:
+class BalanceInputs(NamedTuple):
     """State of the tick, sensed hand wrenches and the reference; None before the first ones."""
 
     joints: Joints
@@ -46,8 +45,7 @@ class BalanceInputs:
     contacts: ContactPlan | None
 
 
-@dataclass(frozen=True, slots=True)
-class BalanceOutputs:
+class BalanceOutputs(NamedTuple):
     """What was measured, and once a reference came: its correction and the desired foot wrenches."""
 
     com: Point

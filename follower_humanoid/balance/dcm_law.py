@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +22,7 @@ class DcmConfig:
     height_damping: float = parameter(16.0, "CoM vertical speed feedback", "1/s", 0, 100)
 
 
-@dataclass(frozen=True, slots=True)
-class CenterState:
+class CenterState(NamedTuple):
     """CoM of the robot in world.
 
     Attributes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +29,7 @@ class SoleConfig:
     friction: float = parameter(0.6, "largest tangential force as part of the normal force", "", 0.05, 2)
 
 
-@dataclass(frozen=True, slots=True)
-class FootShares:
+class FootShares(NamedTuple):
     """Feet's parts of a total force and where each acts.
 
     Attributes:

@@ -18,7 +18,7 @@ here, and a second task would bring singularities of its own in front of a strai
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -60,8 +60,7 @@ _GLIDE_RISE = 0.5
 _NO_WRENCH = Wrench(np.zeros(3), np.zeros(3))
 
 
-@dataclass(frozen=True)
-class ArmControllerInputs:
+class ArmControllerInputs(NamedTuple):
     """State of this tick and sensed hand wrenches (axes of world) of an earlier one.
 
     A wrench is None before the first is measured: that arm then feels no force and holds its place
@@ -78,8 +77,7 @@ class ArmControllerInputs:
     right_target: Odometry | None = None
 
 
-@dataclass(frozen=True)
-class ArmControllerOutputs:
+class ArmControllerOutputs(NamedTuple):
     """What the controller decided.
 
     Attributes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -35,8 +36,7 @@ class LegConfig:
     motor: MotorModel = field(default_factory=MotorModel)
 
 
-@dataclass(frozen=True, slots=True)
-class LegInputs:
+class LegInputs(NamedTuple):
     """State of the tick; reference and desired foot wrenches are None before the first ones."""
 
     joints: Joints
@@ -50,8 +50,7 @@ class LegInputs:
     right_foot_reference: Wrench | None
 
 
-@dataclass(frozen=True, slots=True)
-class LegOutputs:
+class LegOutputs(NamedTuple):
     """Motor voltages of legs, trunk and neck."""
 
     command: Joints

@@ -242,7 +242,7 @@ class Repetition(Chain):
             return inputs
         # The state of a tick tells what acted in the tick before it.
         wrenches = {name: held.at(self.tick + 1) for name, held in self._held.items()}
-        return dataclasses.replace(inputs, **wrenches)
+        return inputs._replace(**wrenches)
 
 
 def _with_carried_sequence(recorded: Recorded, folder: Path) -> Mapping[str, Mapping[str, Any]]:

@@ -13,6 +13,7 @@ swallow the very pull that is to be followed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -34,8 +35,7 @@ class HandWrenchConfig:
     )
 
 
-@dataclass(frozen=True)
-class HandWrenchInputs:
+class HandWrenchInputs(NamedTuple):
     """State and wrist sensors of one tick."""
 
     joints: Joints
@@ -44,8 +44,7 @@ class HandWrenchInputs:
     right_wrist: Wrench
 
 
-@dataclass(frozen=True)
-class HandWrenchOutputs:
+class HandWrenchOutputs(NamedTuple):
     """What others do to the hands: axes of world, moment about `l_gripper`, `r_gripper`."""
 
     left_hand: Wrench
