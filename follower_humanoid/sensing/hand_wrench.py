@@ -81,7 +81,7 @@ class _Hand:
         )
         before = now if self._before is None else self._before
         self._before = now
-        self._reading[:3], self._reading[3:] = wrist.force, wrist.torque
+        np.concatenate((wrist.force, wrist.torque), out=self._reading)
         sample = np.empty(6)
         external_wrench(before, now, self._reading, self._mass * GRAVITY, self._period, sample)
         external = self._filter.step(sample)
