@@ -94,7 +94,8 @@ def _yaw(base_axes: Array, v: Array, rotation: Array) -> float:
     rotation[0, 0] = rotation[1, 1] = cx / level
     rotation[1, 0], rotation[0, 1] = cy / level, -cy / level
     rotation[2, 2] = 1.0
-    return (cx * (w[2] * cx - w[0] * cz) - cy * (w[1] * cz - w[2] * cy)) / level**2
+    rate: float = (cx * (w[2] * cx - w[0] * cz) - cy * (w[1] * cz - w[2] * cy)) / level**2
+    return rate
 
 
 @kernel("void(float64[::1,:], intp, float64[::1], float64[::1])")

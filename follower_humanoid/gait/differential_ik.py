@@ -152,7 +152,9 @@ class DifferentialIk:
         config, rates = self._config, self._rates
         left, right = self.soles[Side.LEFT], self.soles[Side.RIGHT]
         task_rates(
-            *feet[Side.LEFT], *feet[Side.RIGHT], *body, left, right, self._com, self.base,
+            *feet[Side.LEFT], *feet[Side.RIGHT],
+            body.com, body.com_velocity, body.pelvis_height, body.pelvis_height_velocity,
+            body.pelvis_rotation, body.pelvis_angular_velocity, left, right, self._com, self.base,
             config.foot_gain, config.foot_speed, config.com_gain, config.pelvis_gain, rates,
         )  # fmt: skip
         self.v = solve_velocities(

@@ -83,7 +83,8 @@ class _Wrists:
         columns: Columns of the Jacobian that move each, (2, n).
         masses, levers, inertias: Of the hands, in their joints' frames: m (2,), centre (2, 3), about the
             centre (2, 3, 3).
-        forces_at_rest: Through each joint at no acceleration, views that follow the plant, (6,) each.
+        left_at_rest, right_at_rest: Force through each joint at no acceleration, views that follow the
+            plant, (6,) each.
         displaced: Place of each sensor's frame in the joint's, None if they are the same.
     """
 
@@ -104,7 +105,8 @@ class _Wrists:
         self.masses = np.array([hand.mass for hand in hands])
         self.levers = np.array([hand.lever for hand in hands])
         self.inertias = np.array([hand.inertia for hand in hands])
-        self.forces_at_rest: list[Array] = [plant.data.f[point.joint].vector for point in points]
+        at_rest: list[Array] = [plant.data.f[point.joint].vector for point in points]
+        self.left_at_rest, self.right_at_rest = at_rest
         places = [model.frames[frame].placement for frame in ids]
         self.displaced = [None if place.isIdentity() else place for place in places]
 
@@ -149,7 +151,7 @@ class Sensors:
         add_step(
             self._v, plant.v, self._base, plant.bullet.base_twist, self._rotation, plant.world.ground.gravity,
             plant.world.step_length, plant.joint_poses, plant.world_jacobian, wrists.joints, wrists.columns,
-            *wrists.forces_at_rest, wrists.masses, wrists.levers, wrists.inertias,
+            wrists.left_at_rest, wrists.right_at_rest, wrists.masses, wrists.levers, wrists.inertias,
             self._acceleration, self._specific_force, self._wrist_sums,
         )  # fmt: skip
         for pull in pulls:

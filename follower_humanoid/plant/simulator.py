@@ -239,9 +239,10 @@ class Simulator:
 
     def _read(self) -> SimulatorOutputs:
         readings = self._sensors.read()
+        left, right, base = self._places
         contacts: list[Wrench | None] = [None, None]
         if self._board is not None:
             contacts = [Wrench(force, np.zeros(3)) for force in self._board.mean_force()]
         return SimulatorOutputs(
-            *readings, *(place.applied for place in self._places), contacts[0], contacts[1]
+            *readings, left.applied, right.applied, base.applied, contacts[0], contacts[1]
         )
