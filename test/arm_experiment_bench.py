@@ -32,7 +32,7 @@ def drive(chain: Chain, seconds: float, force: Force, modes: dict[float, str] | 
     def advance(inputs: Any) -> None:
         newton = force(simulator.time)
         pull = None if newton is None else Wrench(np.asarray(newton, dtype=float), np.zeros(3))
-        step(replace(inputs, leader_left=pull))
+        step(inputs._replace(leader_left=pull))
 
     simulator.advance = advance
     try:

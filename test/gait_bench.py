@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -77,7 +77,7 @@ def frame_pose(q: Array, name: str) -> pin.SE3:
 
 def inputs_of(component: Any, **known: Any) -> Any:
     """Inputs of a component; what is not given has not come yet."""
-    return component.Inputs(**{**dict.fromkeys(f.name for f in fields(component.Inputs)), **known})
+    return component.Inputs(**{**dict.fromkeys(component.Inputs.__match_args__), **known})
 
 
 def vertical(force: float) -> Wrench:

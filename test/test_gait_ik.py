@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -166,7 +165,7 @@ def test_correction_speed_of_a_foot_is_bounded(ik: DifferentialIk) -> None:
 
 
 def raised(body: BodyTask, height: float) -> BodyTask:
-    return replace(body, pelvis_height=height)
+    return body._replace(pelvis_height=height)
 
 
 def knees(ik: DifferentialIk) -> Array:

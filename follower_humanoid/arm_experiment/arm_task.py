@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,16 +16,14 @@ from follower_humanoid.robot.model import RobotModel
 _LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
-@dataclass(frozen=True)
-class ArmTaskInputs:
+class ArmTaskInputs(NamedTuple):
     """State of this tick; where the base is does not matter to a hand's place on it."""
 
     joints: Joints
     imu: Inertial
 
 
-@dataclass(frozen=True)
-class ArmTaskOutputs:
+class ArmTaskOutputs(NamedTuple):
     """Where the gripper shall be when this is used, relative to base_link in pelvis-yaw axes."""
 
     left_target: Odometry

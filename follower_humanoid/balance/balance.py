@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +29,7 @@ from follower_humanoid.robot.body_state import BodyState
 from follower_humanoid.robot.model import RobotModel
 
 
-@dataclass(frozen=True, slots=True)
-class BalanceInputs:
+class BalanceInputs(NamedTuple):
     """State of the tick, sensed hand wrenches and the reference; None before the first ones."""
 
     joints: Joints
@@ -46,8 +45,7 @@ class BalanceInputs:
     contacts: ContactPlan | None
 
 
-@dataclass(frozen=True, slots=True)
-class BalanceOutputs:
+class BalanceOutputs(NamedTuple):
     """What was measured, and once a reference came: its correction and the desired foot wrenches."""
 
     com: Point
@@ -82,9 +80,14 @@ class ZmpBalance:
         soles = {side: frames[robot.frame_id(f"{side.prefix}_sole")] for side in SIDES}
         self._soles = {side: SolePlace(sole[3], sole[:3].T) for side, sole in soles.items()}
         self._grippers = [frames[robot.frame_id(f"{side.prefix}_gripper"), 3] for side in SIDES]
+        left, right = (
+            [robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES
+        )
+        # Of which feet carry: left, right.
         self._contacts = {
-            side: [robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES
-        }
+            (True, True): np.array(left + right), (True, False): np.array(left),
+            (False, True): np.array(right), (False, False): np.zeros(0, dtype=np.int64),
+        }  # fmt: skip
         self._watch = ZmpWatch()
 
     def step(self, inputs: BalanceInputs, time: float) -> BalanceOutputs:
@@ -123,12 +126,12 @@ class ZmpBalance:
         zmp, dcm = inputs.zmp_reference, inputs.dcm_reference
         if joints is None or base is None or contacts is None or zmp is None or dcm is None:
             return None
-        q_wanted, v_wanted = self._robot.state(base, joints)
+        q_wanted = self._robot.configuration(base, joints.position)
+        v_wanted = self._robot.velocity(base, joints.velocity)
         self._wanted.update(q_wanted, v_wanted)
         return Situation(
-            body=self._body, v=v, soles=self._soles, hands=self._hands(inputs),
-            wanted=self._wanted, q_wanted=q_wanted, v_wanted=v_wanted,
-            zmp=zmp.xyz[:2], dcm=dcm.xyz[:2], measured_zmp=measured, contacts=contacts,
+            self._body, v, self._soles, self._hands(inputs),
+            self._wanted, q_wanted, v_wanted, zmp.xyz[:2], dcm.xyz[:2], measured, contacts,
         )  # fmt: skip
 
     def _hands(self, inputs: BalanceInputs) -> HandEffect:
@@ -139,11 +142,12 @@ class ZmpBalance:
         return hand_effect(known, self._robot.mass)
 
     def _support_polygon(self, inputs: BalanceInputs) -> Array | None:
-        config, points = self._config.zmp, []
-        for side, wrench in zip(SIDES, (inputs.left_foot, inputs.right_foot), strict=True):
-            if wrench.force[2] > config.carrying:
-                points += self._contacts[side]
-        hull = ground_hull(self._body.frames, np.array(points, dtype=np.int64), config.clearance)
+        config = self._config.zmp
+        carrying = (
+            bool(inputs.left_foot.force[2] > config.carrying),
+            bool(inputs.right_foot.force[2] > config.carrying),
+        )
+        hull = ground_hull(self._body.frames, self._contacts[carrying], config.clearance)
         return hull if len(hull) else None
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.balance.shifted_reference import ShiftedReference
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array, Joints
 from follower_humanoid.gait.differential_ik import IkConfig
 from follower_humanoid.robot.body_state import BodyState
@@ -45,8 +46,25 @@ class ComOffset:
         Returns:
             The corrected joint reference.
         """
-        config, com = self._config, wanted.com[:2]
-        goal = np.minimum(np.maximum(hands.resting_com(com) - com, -config.limit), config.limit)
-        rate = config.bandwidth * (goal - self._offset)
-        self._offset = self._offset + dt * rate
-        return self._shifted.step(q, v, wanted, self._offset, rate, dt)
+        config = self._config
+        offset, rate = _followed(
+            wanted.com, hands.gamma, hands.kappa, self._offset, config.limit, config.bandwidth, dt
+        )
+        self._offset = offset
+        return self._shifted.step(q, v, wanted, offset, rate, dt)
+
+
+@kernel(
+    "UniTuple(float64[::1], 2)(float64[::1], float64[::1], float64, float64[::1], float64, float64, float64)"
+)
+def _followed(
+    com: Array, gamma: Array, kappa: float, offset: Array, limit: float, bandwidth: float, dt: float
+) -> tuple[Array, Array]:
+    """The offset a tick later and its rate, on its way to δ = κ c − γ − c within ±limit, shape (2,) each."""
+    later, rate = np.empty(2), np.empty(2)
+    for axis in range(2):
+        goal = kappa * com[axis] - gamma[axis] - com[axis]
+        goal = min(max(goal, -limit), limit)
+        rate[axis] = bandwidth * (goal - offset[axis])
+        later[axis] = offset[axis] + dt * rate[axis]
+    return later, rate

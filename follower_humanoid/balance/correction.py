@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.balance.zmp import SolePlace
@@ -10,8 +10,7 @@ from follower_humanoid.core.samples import Array, ContactPlan, Joints, Side, Wre
 from follower_humanoid.robot.body_state import BodyState
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
+class Situation(NamedTuple):
     """One tick: the robot as measured and the complete reference. Arrays and bodies change with the next.
 
     Attributes:
@@ -39,8 +38,7 @@ class Situation:
     contacts: ContactPlan
 
 
-@dataclass(frozen=True, slots=True)
-class Correction:
+class Correction(NamedTuple):
     """What a law asks for.
 
     Attributes:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import GRAVITY
 
@@ -21,8 +23,7 @@ class DcmConfig:
     height_damping: float = parameter(16.0, "CoM vertical speed feedback", "1/s", 0, 100)
 
 
-@dataclass(frozen=True, slots=True)
-class CenterState:
+class CenterState(NamedTuple):
     """CoM of the robot in world.
 
     Attributes:
@@ -42,7 +43,16 @@ def measured_dcm(state: CenterState, hands: HandEffect, omega: float) -> Array:
         hands: Effect of the hand forces.
         omega: Natural frequency [1/s].
     """
-    return np.array((state.com[:2] + state.velocity[:2] / omega + hands.gamma) / hands.kappa)
+    return _dcm(state.com, state.velocity, hands.gamma, hands.kappa, omega)
+
+
+@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64, float64)")
+def _dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega: float) -> Array:
+    """ξ of `measured_dcm`."""
+    dcm = np.empty(2)
+    for axis in range(2):
+        dcm[axis] = (com[axis] + velocity[axis] / omega + gamma[axis]) / kappa
+    return dcm
 
 
 def desired_zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, omega: float, gain: float) -> Array:
@@ -57,7 +67,16 @@ def desired_zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, omega: f
     Returns:
         ZMP in world before any limit, shape (2,) [m].
     """
-    return np.array(zmp_reference + (1.0 + gain / omega) * (dcm - dcm_reference))
+    return _zmp(dcm, dcm_reference, zmp_reference, 1.0 + gain / omega)
+
+
+@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64)")
+def _zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, factor: float) -> Array:
+    """p of `desired_zmp` for the factor 1 + k/ω."""
+    zmp = np.empty(2)
+    for axis in range(2):
+        zmp[axis] = zmp_reference[axis] + factor * (dcm[axis] - dcm_reference[axis])
+    return zmp
 
 
 def desired_force(
@@ -87,9 +106,28 @@ def desired_force(
     Returns:
         Force on the robot in world, shape (3,) [N].
     """  # fmt: skip
-    lever = state.com[:2] + hands.gamma - hands.kappa * zmp - momentum_rate
-    horizontal = mass * omega**2 * lever - hands.force[:2]
-    lift = config.height_stiffness * (reference.com[2] - state.com[2])
-    lift += config.height_damping * (reference.velocity[2] - state.velocity[2])
-    vertical = mass * (GRAVITY + lift) - hands.force[2]
-    return np.array([horizontal[0], horizontal[1], max(float(vertical), 0.0)])
+    return _force(
+        state.com, state.velocity, reference.com, reference.velocity, zmp, momentum_rate,
+        hands.gamma, hands.force, hands.kappa, mass * omega**2, mass,
+        config.height_stiffness, config.height_damping,
+    )  # fmt: skip
+
+
+@kernel(
+    "float64[::1](float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64, float64, float64, float64, float64)"
+)
+def _force(
+    com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array, zmp: Array, momentum_rate: Array,
+    gamma: Array, hands: Array, kappa: float, stiffness: float, mass: float,
+    height_stiffness: float, height_damping: float,
+) -> Array:  # fmt: skip
+    """F of `desired_force`; `stiffness` is m ω², `hands` the sum of the hands' forces."""
+    force = np.empty(3)
+    for axis in range(2):
+        lever = com[axis] + gamma[axis] - kappa * zmp[axis] - momentum_rate[axis]
+        force[axis] = stiffness * lever - hands[axis]
+    lift = height_stiffness * (wanted_com[2] - com[2])
+    lift += height_damping * (wanted_velocity[2] - velocity[2])
+    force[2] = max(mass * (GRAVITY + lift) - hands[2], 0.0)
+    return force

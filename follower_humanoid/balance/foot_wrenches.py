@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +29,7 @@ class SoleConfig:
     friction: float = parameter(0.6, "largest tangential force as part of the normal force", "", 0.05, 2)
 
 
-@dataclass(frozen=True, slots=True)
-class FootShares:
+class FootShares(NamedTuple):
     """Feet's parts of a total force and where each acts.
 
     Attributes:
@@ -63,14 +63,17 @@ def nearest_in_sole(
 
 
 @kernel(
-    "Tuple((float64, float64[::1], float64[::1], float64[::1]))(float64[::1], float64[::1], float64[:,:],"
-    " float64[::1], float64[:,:], float64, float64, float64, float64, float64, float64)"
+    "float64(float64[::1], float64[::1], float64[:,:], float64[::1], float64[:,:],"
+    " float64, float64, float64, float64, float64, float64, float64[:,::1])"
 )
 def shared(
     zmp: Array, left_position: Array, left_rotation: Array, right_position: Array, right_rotation: Array,
     left_most: float, right_most: float, center: float, back: float, front: float, side: float,
-) -> tuple[float, Array, Array, Array]:  # fmt: skip
-    """The left foot's share, the points of left and right foot and the ZMP they make, see `share_feet`.
+    points: Array,
+) -> float:  # fmt: skip
+    """The left foot's share; writes the points of left and right foot and the ZMP they make.
+
+    See `share_feet`.
 
     Args:
         zmp: Desired ZMP in world, shape (2,) [m].
@@ -78,6 +81,7 @@ def shared(
         left_most, right_most: Most that either foot may carry by plan, 0…1.
         center: Middle of the sole ahead of the ankle [m].
         back, front, side: Usable sole [m].
+        points: Written, in world, shape (3, 2) [m].
     """
     c, s = ahead_of(left_rotation)
     left_x, left_y = left_position[0] + center * c, left_position[1] + center * s
@@ -92,8 +96,6 @@ def shared(
     low, high = min(1.0 - right_most, left_most), max(1.0 - right_most, left_most)
     first = min(max(left, low), high)
     best, nearest = first, math.inf
-    points = np.empty((2, 2))
-    made = np.empty(2)
     # Feet apart along and across: the nearest point that the soles reach may need another share.
     for i in range(-1, TRIED_SHARES):
         share = first if i < 0 else low + (high - low) * i / (TRIED_SHARES - 1)
@@ -111,10 +113,10 @@ def shared(
         if away < nearest - SAME or as_near:
             best, nearest = share, away
             points[0, 0], points[0, 1], points[1, 0], points[1, 1] = l_x, l_y, r_x, r_y
-            made[0], made[1] = made_x, made_y
+            points[2, 0], points[2, 1] = made_x, made_y
         if nearest < OUT_OF_REACH or high <= low:
             break
-    return best, points[0], points[1], made
+    return best
 
 
 def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, config: SoleConfig) -> FootShares:
@@ -126,35 +128,34 @@ def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, conf
         plan: Most that either foot may carry by plan.
         config: Usable sole.
     """
-    left, right = soles[Side.LEFT], soles[Side.RIGHT]
-    share, left_point, right_point, made = shared(
+    left, right, points = soles[Side.LEFT], soles[Side.RIGHT], np.empty((3, 2))
+    share = shared(
         zmp, left.position, left.rotation, right.position, right.rotation,
-        plan.left, plan.right, config.center, config.back, config.front, config.side,
+        plan.left, plan.right, config.center, config.back, config.front, config.side, points,
     )  # fmt: skip
     shares = {Side.LEFT: share, Side.RIGHT: 1.0 - share}
-    return FootShares(shares, {Side.LEFT: left_point, Side.RIGHT: right_point}, made)
+    return FootShares(shares, {Side.LEFT: points[0], Side.RIGHT: points[1]}, points[2])
 
 
 @kernel(
-    "UniTuple(float64[::1], 2)(float64, float64[::1], float64[::1], float64, float64[::1], float64[:,:],"
-    " float64)"
+    "float64[:,::1](float64, float64[::1], float64[::1], float64, float64[::1], float64[:,:], float64)"
 )
 def wrench_in_sole(
     share: float, point: Array, force: Array, yaw_moment: float,
     position: Array, rotation: Array, friction: float,
-) -> tuple[Array, Array]:  # fmt: skip
-    """Force and moment of `foot_wrench`; position and rotation are the sole's."""
+) -> Array:  # fmt: skip
+    """Force and moment of `foot_wrench`, shape (2, 3); position and rotation are the sole's."""
     f_x, f_y, f_z = share * force[0], share * force[1], share * force[2]
     tangential, limit = math.hypot(f_x, f_y), friction * max(f_z, 0.0)
     if tangential > limit:
         f_x, f_y = f_x * (limit / tangential), f_y * (limit / tangential)
     x, y, z = point[0] - position[0], point[1] - position[1], -position[2]
     m_x, m_y, m_z = y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x + share * yaw_moment
-    force_in_sole, moment_in_sole = np.empty(3), np.empty(3)
+    wrench = np.empty((2, 3))
     for i in range(3):
-        force_in_sole[i] = rotation[0, i] * f_x + rotation[1, i] * f_y + rotation[2, i] * f_z
-        moment_in_sole[i] = rotation[0, i] * m_x + rotation[1, i] * m_y + rotation[2, i] * m_z
-    return force_in_sole, moment_in_sole
+        wrench[0, i] = rotation[0, i] * f_x + rotation[1, i] * f_y + rotation[2, i] * f_z
+        wrench[1, i] = rotation[0, i] * m_x + rotation[1, i] * m_y + rotation[2, i] * m_z
+    return wrench
 
 
 def foot_wrench(
@@ -170,4 +171,5 @@ def foot_wrench(
         place: The sole.
         friction: Limit of tangential over normal force.
     """
-    return Wrench(*wrench_in_sole(share, point, force, yaw_moment, place.position, place.rotation, friction))
+    wrench = wrench_in_sole(share, point, force, yaw_moment, place.position, place.rotation, friction)
+    return Wrench(wrench[0], wrench[1])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import SIDES, Array, Joints
 from follower_humanoid.gait.differential_ik import BodyTask, DifferentialIk, FootTask, IkConfig
 from follower_humanoid.robot.body_state import BodyState
@@ -43,7 +44,7 @@ class ShiftedReference:
         )  # fmt: skip
         ik = self._ik
         # Joints outside the IK follow the reference as it is.
-        given = v[BASE_DOF:] + self._config.foot_gain * (q[BASE_DOF + 1 :] - ik.q[BASE_DOF + 1 :])
+        given = _led(q, v, ik.q, self._config.foot_gain)
         ik.advance(feet, body, given, dt)
         return Joints(ik.q[BASE_DOF + 1 :], ik.v[BASE_DOF:], np.zeros(len(given)))
 
@@ -51,3 +52,19 @@ class ShiftedReference:
         """A sole goes where the reference has it."""
         place, twist = wanted.frames[sole], wanted.twist(sole)
         return FootTask(place[3], place[:3].T, twist[:3], twist[3:])
+
+
+@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64)")
+def _led(q: Array, v: Array, q_now: Array, gain: float) -> Array:
+    """Velocities that lead the joints to a reference, q̇_d + k (q_d − q), shape (45,) [rad/s].
+
+    Args:
+        q, v: Reference configuration, shape (52,), and velocity, shape (51,).
+        q_now: Present configuration, shape (52,).
+        gain: k [1/s].
+    """
+    given = np.empty(v.size - BASE_DOF)
+    for joint in range(given.size):
+        error = q[BASE_DOF + 1 + joint] - q_now[BASE_DOF + 1 + joint]
+        given[joint] = v[BASE_DOF + joint] + gain * error
+    return given

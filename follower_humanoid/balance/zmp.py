@@ -80,10 +80,26 @@ def measured_zmp(
     Returns:
         ZMP over the ground, shape (2,) [m]; None where the feet carry less than the floor.
     """
-    force_left, moment_left = wrench_about_origin(left, left_place)
-    force_right, moment_right = wrench_about_origin(right, right_place)
-    vertical = float(force_left[2] + force_right[2])
+    vertical, m_x, m_y = _feet_about_origin(
+        left.force, left.torque, left_place.position, left_place.rotation,
+        right.force, right.torque, right_place.position, right_place.rotation,
+    )  # fmt: skip
     if vertical < force_floor:
         return None
-    m_x, m_y, _ = (moment_left + moment_right).tolist()
     return np.array([-m_y / vertical, m_x / vertical])
+
+
+@kernel(
+    "UniTuple(float64, 3)(float64[::1], float64[::1], float64[::1], float64[:,:],"
+    " float64[::1], float64[::1], float64[::1], float64[:,:])"
+)
+def _feet_about_origin(
+    left_force: Array, left_torque: Array, left_position: Array, left_rotation: Array,
+    right_force: Array, right_torque: Array, right_position: Array, right_rotation: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Vertical force and horizontal moments about the world origin of both feet; as in `moved_to_origin`."""
+    force_left, moment_left = moved_to_origin(left_force, left_torque, left_position, left_rotation)
+    force_right, moment_right = moved_to_origin(right_force, right_torque, right_position, right_rotation)
+    return (
+        force_left[2] + force_right[2], moment_left[0] + moment_right[0], moment_left[1] + moment_right[1]
+    )  # fmt: skip

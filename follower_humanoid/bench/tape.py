@@ -15,7 +15,7 @@ from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.plant.bullet_robot import BulletRobot
 
 Call = tuple[str, tuple[Any, ...]]
-_RECORDED = ("drive", "push", "twist")
+_RECORDED = ("drive", "support", "push", "twist")
 
 
 @dataclass(frozen=True)

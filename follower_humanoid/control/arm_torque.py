@@ -20,9 +20,9 @@ class ArmTorque:
     def __init__(self, robot: RobotModel, motor: MotorModel, period: float, filter_time: float) -> None:
         """`period`: control tick [s]; `filter_time`: low-pass on the measured body acceleration [s]."""
         self._robot, self._period = robot, period
-        self._arms = robot.groups.arms
+        self._rows = BASE_DOF + robot.groups.arms
         self._data = robot.pin_model.createData()
-        self._motors = MotorInverse(motor, robot, self._arms)
+        self._motors = MotorInverse(motor, robot, robot.groups.arms)
         self._body_acceleration = BodyAcceleration(robot, period, filter_time)
 
     def torque(
@@ -40,10 +40,10 @@ class ArmTorque:
         the measured acceleration of base and trunk does to the arms.
         """
         rate = self._body_acceleration.step(v, imu, hands.base_to_world)
-        rate[BASE_DOF + self._arms] = acceleration.ravel()
-        torque: Array = pin.rnea(self._robot.pin_model, self._data, q, v, rate)[BASE_DOF + self._arms]
-        for hand, wrench in enumerate(wrenches):
-            _take_out(hands.wrench_jacobian[hand], wrench.force, wrench.torque, torque[7 * hand :])
+        rate[self._rows] = acceleration.ravel()
+        torque: Array = pin.rnea(self._robot.pin_model, self._data, q, v, rate)[self._rows]
+        left, right = wrenches
+        _take_out(hands.wrench_jacobian, left.force, left.torque, right.force, right.torque, torque)
         return torque
 
     def voltage(self, torque: Array, velocity: Array, acceleration: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -52,15 +52,37 @@ class ArmTorque:
         The back-EMF is taken in the middle of the tick: behind a gear it changes so much within
         one that a voltage for its beginning would deliver a quarter less acceleration.
         """
-        motor_torque = torque + self._motors.rotor_inertia * acceleration
-        middle = velocity + 0.5 * self._period * acceleration
+        motor_torque, middle = np.empty(len(torque)), np.empty(len(torque))
+        _motor_demand(
+            torque, velocity, acceleration, self._motors.rotor_inertia, 0.5 * self._period,
+            motor_torque, middle,
+        )  # fmt: skip
         return self._motors.voltage(motor_torque, middle)
 
 
-@kernel("void(float64[:,::1], float64[:], float64[:], float64[::1])")
-def _take_out(jacobian: Array, force: Array, moment: Array, torque: Array) -> None:
-    """`τ ← τ − Jᵀ (f, m)` for the first joints of `torque`, as many as J has columns."""
-    for joint in range(jacobian.shape[1]):
-        for axis in range(3):
-            torque[joint] -= jacobian[axis, joint] * force[axis]
-            torque[joint] -= jacobian[3 + axis, joint] * moment[axis]
+@kernel(
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1])"
+)
+def _motor_demand(
+    torque: Array, velocity: Array, acceleration: Array, rotor_inertia: Array, half_tick: float,
+    motor_torque: Array, middle: Array,
+) -> None:  # fmt: skip
+    """Writes τ + A q̈, and the velocity in the middle of the tick."""
+    for joint in range(torque.size):
+        motor_torque[joint] = torque[joint] + rotor_inertia[joint] * acceleration[joint]
+        middle[joint] = velocity[joint] + half_tick * acceleration[joint]
+
+
+@kernel("void(float64[:,:,::1], float64[:], float64[:], float64[:], float64[:], float64[::1])")
+def _take_out(
+    jacobian: Array, left_force: Array, left_moment: Array, right_force: Array, right_moment: Array,
+    torque: Array,
+) -> None:  # fmt: skip
+    """`τ ← τ − Jᵀ (f, m)` for the joints of both arms, left first; J of shape (2, 6, joints)."""
+    joints = jacobian.shape[2]
+    for arm in range(2):
+        force, moment = (left_force, left_moment) if arm == 0 else (right_force, right_moment)
+        for joint in range(joints):
+            for axis in range(3):
+                torque[joints * arm + joint] -= jacobian[arm, axis, joint] * force[axis]
+                torque[joints * arm + joint] -= jacobian[arm, 3 + axis, joint] * moment[axis]

@@ -18,7 +18,7 @@ here, and a second task would bring singularities of its own in front of a strai
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from follower_humanoid.control.hand_reference import GlideLimits, HandReference
 from follower_humanoid.control.hand_task import (
     HandKinematics,
     HandMotion,
+    Mask,
     forces_in_task_axes,
     return_velocity,
 )
@@ -40,6 +41,7 @@ from follower_humanoid.control.null_space import (
     limit_avoidance,
     task_inverse,
 )
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import (
     SIDES,
     Array,
@@ -60,8 +62,7 @@ _GLIDE_RISE = 0.5
 _NO_WRENCH = Wrench(np.zeros(3), np.zeros(3))
 
 
-@dataclass(frozen=True)
-class ArmControllerInputs:
+class ArmControllerInputs(NamedTuple):
     """State of this tick and sensed hand wrenches (axes of world) of an earlier one.
 
     A wrench is None before the first is measured: that arm then feels no force and holds its place
@@ -78,8 +79,7 @@ class ArmControllerInputs:
     right_target: Odometry | None = None
 
 
-@dataclass(frozen=True)
-class ArmControllerOutputs:
+class ArmControllerOutputs(NamedTuple):
     """What the controller decided.
 
     Attributes:
@@ -170,7 +170,7 @@ class ArmController:
         if self._config.limit_avoidance > 0.0:
             reference.move_posture(desired_velocity)
         reference.velocity = desired_velocity
-        saturated.reshape(2, 7).any(axis=1, out=reference.saturated)
+        _note_saturated(saturated, reference.saturated)
         return ArmControllerOutputs(
             Joints(held.ravel(), desired_velocity.ravel(), voltage),
             self._modes,
@@ -259,3 +259,11 @@ class ArmController:
             velocity_error, posture_error, config.posture_stiffness, config.posture_damping,
             position, velocity, self._lower, self._upper, config.stop_stiffness, config.stop_damping,
         )  # fmt: skip
+
+
+@kernel("void(boolean[::1], boolean[::1])")
+def _note_saturated(joints: Mask, arms: Mask) -> None:
+    """Writes which arm has a joint whose voltage was cut, from which joint of both has."""
+    per_arm = joints.size // arms.size
+    for arm in range(arms.size):
+        arms[arm] = joints[per_arm * arm : per_arm * (arm + 1)].any()

@@ -60,15 +60,26 @@ class HandKinematics:
     def motion(self, q: Array, v: Array) -> HandMotion:
         """Both hands at state (q, v), shapes (52,), (51,)."""
         pin.computeJointJacobians(self._model, self._data, q)
-        grippers = self._grippers
-        return _hand_motion(
-            grippers.poses, grippers.joints, grippers.offsets, grippers.world_jacobian, self._columns, q, v
-        )
+        grippers, motion = self._grippers, _unwritten_motion()
+        _hand_motion(
+            grippers.poses, grippers.joints, grippers.offsets, grippers.world_jacobian, self._columns, q, v,
+            *motion,
+        )  # fmt: skip
+        return motion
 
 
-@kernel("(float64[:,::1], float64[::1])")
-def _yaw(base_axes: Array, v: Array) -> tuple[Array, float]:
-    """Rotation about z by the base's yaw, and the yaw's rate [rad/s].
+def _unwritten_motion() -> HandMotion:
+    """Memory for a motion: compiled code that made the arrays itself would take longer to hand them over."""
+    return HandMotion(
+        place=np.empty((2, 3)), place_rate=np.empty((2, 3)), carried=np.empty((2, 3)),
+        jacobian=np.empty((2, 3, _ARM_JOINTS)), wrench_jacobian=np.empty((2, 6, _ARM_JOINTS)),
+        yaw_to_world=np.empty((3, 3)), base_to_world=np.empty((3, 3)),
+    )  # fmt: skip
+
+
+@kernel("float64(float64[:,::1], float64[::1], float64[:,::1])")
+def _yaw(base_axes: Array, v: Array, rotation: Array) -> float:
+    """The rate of the base's yaw [rad/s]; writes the rotation about z by it, (3, 3).
 
     Yaw is the direction c of the base's x axis on the ground, atan2(c_y, c_x); its rate follows from
     ċ = ω × c, exact at any tilt below 90°.
@@ -79,12 +90,12 @@ def _yaw(base_axes: Array, v: Array) -> tuple[Array, float]:
             w[row] += base_axes[axis, row] * v[3 + axis]
     cx, cy, cz = base_axes[0]
     level = math.hypot(cx, cy)
-    rotation = np.zeros((3, 3))
+    rotation[:] = 0.0
     rotation[0, 0] = rotation[1, 1] = cx / level
     rotation[1, 0], rotation[0, 1] = cy / level, -cy / level
     rotation[2, 2] = 1.0
-    rate = (cx * (w[2] * cx - w[0] * cz) - cy * (w[1] * cz - w[2] * cy)) / level**2
-    return rotation, rate
+    rate: float = (cx * (w[2] * cx - w[0] * cz) - cy * (w[1] * cz - w[2] * cy)) / level**2
+    return rate
 
 
 @kernel("void(float64[::1,:], intp, float64[::1], float64[::1])")
@@ -117,16 +128,19 @@ def _turn_jacobian_back(rotation: Array, linear: Array, result: Array) -> None:
 
 
 @kernel(
-    "(float64[:,:,::1], intp[::1], float64[:,::1], float64[::1,:], intp[:,::1], float64[::1], float64[::1])"
+    "void(float64[:,:,::1], intp[::1], float64[:,::1], float64[::1,:], intp[:,::1], float64[::1], "
+    "float64[::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,:,::1], "
+    "float64[:,::1], float64[:,::1])"
 )
 def _hand_motion(
-    poses: Array, joints: Indices, offsets: Array, world_jacobian: Array, columns: Indices, q: Array, v: Array
-) -> HandMotion:
-    """`HandKinematics.motion` from Pinocchio's poses and Jacobian; the last `columns` are the own arm's."""
+    poses: Array, joints: Indices, offsets: Array, world_jacobian: Array, columns: Indices,
+    q: Array, v: Array, place: Array, place_rate: Array, carried: Array, jacobian: Array,
+    wrench_jacobian: Array, yaw_to_world: Array, base_to_world: Array,
+) -> None:  # fmt: skip
+    """Writes a `HandMotion` from Pinocchio's poses and Jacobian; the last `columns` are the own arm's."""
     base_axes = poses[_BASE_JOINT, :3]
-    yaw_to_world, yaw_rate = _yaw(base_axes, v)
-    place, place_rate, carried = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
-    jacobian, wrench_jacobian = np.empty((2, 3, _ARM_JOINTS)), np.empty((2, 6, _ARM_JOINTS))
+    yaw_rate = _yaw(base_axes, v, yaw_to_world)
+    base_to_world[:] = base_axes.T
     twist, first = np.empty(6), columns.shape[1] - _ARM_JOINTS
     for hand in range(2):
         pose = poses[joints[hand]]
@@ -149,8 +163,6 @@ def _hand_motion(
         carried[hand, 0] += yaw_rate * place[hand, 1]
         carried[hand, 1] -= yaw_rate * place[hand, 0]
         place_rate[hand] += carried[hand]
-    base_to_world = base_axes.T.copy()
-    return HandMotion(place, place_rate, carried, jacobian, wrench_jacobian, yaw_to_world, base_to_world)
 
 
 @kernel(

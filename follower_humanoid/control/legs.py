@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from follower_humanoid.control.floating_base import motor_torque
 from follower_humanoid.control.motor_inverse import MotorInverse, MotorModel
@@ -15,6 +17,9 @@ from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Wrench
 from follower_humanoid.robot.model import ACTUATED, Indices, RobotModel
 from follower_humanoid.robot.placed_frames import PlacedFrames
+
+# Of a hand whose wrench has not been measured yet.
+_NO_WRENCH = Wrench(np.zeros(3), np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -35,8 +40,7 @@ class LegConfig:
     motor: MotorModel = field(default_factory=MotorModel)
 
 
-@dataclass(frozen=True, slots=True)
-class LegInputs:
+class LegInputs(NamedTuple):
     """State of the tick; reference and desired foot wrenches are None before the first ones."""
 
     joints: Joints
@@ -50,8 +54,7 @@ class LegInputs:
     right_foot_reference: Wrench | None
 
 
-@dataclass(frozen=True, slots=True)
-class LegOutputs:
+class LegOutputs(NamedTuple):
     """Motor voltages of legs, trunk and neck."""
 
     command: Joints
@@ -83,6 +86,7 @@ class LegController:
         self._contacts = PlacedFrames(robot, self._data, names)
         self._in_frame = np.array([name.endswith("sole") for name in names])
         self._wrenches: Array = np.zeros((len(names), 6))
+        self._wrench_parts: Array = self._wrenches.reshape(-1)  # the same, one after the other
         self._ankles, self._toes = _rows(robot, "ankle_pitch", "ankle_roll"), _rows(robot, "toe_pitch")
         self._weight: Array = np.where(np.isin(self._legs, robot.groups.neck), config.neck_weight, 1.0)
         self._weight[self._toes] = 0.0  # springs
@@ -149,21 +153,29 @@ class LegController:
         wrenches = (
             inputs.left_foot_reference or inputs.left_foot,
             inputs.right_foot_reference or inputs.right_foot,
-            inputs.left_hand,
-            inputs.right_hand,
+            inputs.left_hand or _NO_WRENCH,
+            inputs.right_hand or _NO_WRENCH,
         )
-        for row, wrench in zip(self._wrenches, wrenches, strict=True):
-            if wrench is None:
-                row[:] = 0.0
-            else:
-                row[:3], row[3:] = wrench.force, wrench.torque
+        parts = [part for wrench in wrenches for part in (wrench.force, wrench.torque)]
+        np.concatenate(parts, out=self._wrench_parts)
         external = np.zeros(model.nv)
         self._contacts.add_wrenches(self._wrenches, self._in_frame, external)
         return bias, external
 
     def _count(self, voltage: Array) -> None:
-        self._peak = max(self._peak, float(np.abs(voltage).max()))
-        self._saturated_ticks += bool(self._saturated.any())
+        largest, any_saturated = _look_over(voltage, self._saturated)
+        self._peak = max(self._peak, largest)
+        self._saturated_ticks += any_saturated
+
+
+@kernel("Tuple((float64, boolean))(float64[::1], boolean[::1])")
+def _look_over(voltage: Array, saturated: NDArray[np.bool_]) -> tuple[float, bool]:
+    """Largest voltage of either sign [V], and whether any was cut."""
+    largest, any_saturated = 0.0, False
+    for joint in range(voltage.size):
+        largest = max(largest, abs(voltage[joint]))
+        any_saturated = any_saturated or saturated[joint]
+    return largest, any_saturated
 
 
 def _rows(robot: RobotModel, *names: str) -> Indices:

@@ -74,22 +74,26 @@ class MotorInverse:
 
         Reference: Savić et al. 2016, eqs. (12), (13), sign of (13) corrected.
         """
-        return _voltage(motor_torque, velocity, self.damping, self.torque_per_volt, self.voltage_limit)
+        voltage, cut = np.empty(len(motor_torque)), np.empty(len(motor_torque), dtype=bool)
+        _voltage(
+            motor_torque, velocity, self.damping, self.torque_per_volt, self.voltage_limit, voltage, cut
+        )
+        return voltage, cut
 
     def motor_torque(self, voltage: Array, velocity: Array) -> Array:
         """τ + A q̈ that a voltage makes at a velocity; the inverse of `voltage` where nothing is cut."""
         return self.torque_per_volt * voltage - self.damping * velocity
 
 
-@kernel("(float64[::1], float64[::1], float64[::1], float64[::1], float64)")
+@kernel(
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64, float64[::1], boolean[::1])"
+)
 def _voltage(
-    motor_torque: Array, velocity: Array, damping: Array, torque_per_volt: Array, limit: float
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Voltages and where they are cut, for `MotorInverse.voltage`."""
-    voltage = np.empty(motor_torque.size)
-    saturated = np.empty(motor_torque.size, dtype=np.bool_)
+    motor_torque: Array, velocity: Array, damping: Array, torque_per_volt: Array, limit: float,
+    voltage: Array, saturated: NDArray[np.bool_],
+) -> None:  # fmt: skip
+    """Writes the voltages and where they are cut, for `MotorInverse.voltage`."""
     for joint in range(motor_torque.size):
         wanted = (motor_torque[joint] + damping[joint] * velocity[joint]) / torque_per_volt[joint]
         voltage[joint] = min(max(wanted, -limit), limit)
         saturated[joint] = voltage[joint] != wanted
-    return voltage, saturated

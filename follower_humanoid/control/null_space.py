@@ -81,7 +81,6 @@ def _damped_square(jacobian: Array, threshold: float, damping: float) -> Array:
     return inverse
 
 
-@kernel("(float64[:,:,::1], float64, float64)")
 def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInverse:
     """Right pseudo-inverse, damped only along directions that are close to singular.
 
@@ -99,6 +98,14 @@ def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInver
     """
     arms, size, joints = jacobian.shape
     inverse, null = np.zeros((arms, joints, size)), np.zeros((arms, joints, joints))
+    _invert(jacobian, threshold, damping, inverse, null)
+    return TaskInverse(inverse, null)
+
+
+@kernel("void(float64[:,:,::1], float64, float64, float64[:,:,::1], float64[:,:,::1])")
+def _invert(jacobian: Array, threshold: float, damping: float, inverse: Array, null: Array) -> None:
+    """Writes J⁺ and N of `task_inverse` into zeros of their shapes."""
+    arms, size, joints = jacobian.shape
     for arm in range(arms):
         square = _damped_square(jacobian[arm], threshold, damping)
         for joint in range(joints):
@@ -108,7 +115,6 @@ def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInver
                     inverse[arm, joint, axis] += jacobian[arm, row, joint] * square[row, axis]
                 for other in range(joints):
                     null[arm, joint, other] -= inverse[arm, joint, axis] * jacobian[arm, axis, other]
-    return TaskInverse(inverse, null)
 
 
 def limit_avoidance(position: Array, lower: Array, upper: Array, gain: float) -> Array:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import SIDES, Array, Side
-from follower_humanoid.gait.ik_kernels import body_rates, foot_rates, solve_velocities
+from follower_humanoid.gait.ik_kernels import solve_velocities, task_rates
 from follower_humanoid.robot.model import BASE_DOF, Indices, RobotModel
 from follower_humanoid.robot.pose_table import pose_table
 
@@ -31,8 +31,7 @@ class IkConfig:
     foot_speed: float = parameter(0.3, "largest correction speed of a foot", "m/s", 0.01, 2.0)
 
 
-@dataclass(frozen=True, slots=True)
-class FootTask:
+class FootTask(NamedTuple):
     """Desired sole motion in world.
 
     Attributes:
@@ -48,8 +47,7 @@ class FootTask:
     angular_velocity: Array
 
 
-@dataclass(frozen=True, slots=True)
-class BodyTask:
+class BodyTask(NamedTuple):
     """Desired CoM and pelvis motion in world.
 
     Attributes:
@@ -137,7 +135,8 @@ class DifferentialIk:
     def _damping(self) -> float:
         """λ: small, and growing as a knee comes near its straight, singular posture."""
         config = self._config
-        straightest = min(abs(float(self.q[knee])) for knee in self._knees)
+        left, right = self._knees
+        straightest = min(abs(float(self.q[left])), abs(float(self.q[right])))
         near = max(0.0, 1.0 - straightest / max(config.singular_knee, 1e-9))
         return config.damping + near**2 * (config.singular_damping - config.damping)
 
@@ -151,20 +150,16 @@ class DifferentialIk:
             dt: Tick [s].
         """
         config, rates = self._config, self._rates
-        for row, side in zip((0, 6), SIDES, strict=True):
-            task = feet[side]
-            foot_rates(
-                task.position, task.rotation, task.linear_velocity, task.angular_velocity,
-                self.soles[side], config.foot_gain, config.foot_speed, rates[row : row + 6],
-            )  # fmt: skip
-        body_rates(
+        left, right = self.soles[Side.LEFT], self.soles[Side.RIGHT]
+        task_rates(
+            *feet[Side.LEFT], *feet[Side.RIGHT],
             body.com, body.com_velocity, body.pelvis_height, body.pelvis_height_velocity,
-            body.pelvis_rotation, body.pelvis_angular_velocity,
-            self._com, self.base, config.com_gain, config.pelvis_gain, rates[12:],
+            body.pelvis_rotation, body.pelvis_angular_velocity, left, right, self._com, self.base,
+            config.foot_gain, config.foot_speed, config.com_gain, config.pelvis_gain, rates,
         )  # fmt: skip
         self.v = solve_velocities(
-            self._jacobian, self._momentum_matrix, self._mass, self.soles[Side.LEFT], self.soles[Side.RIGHT],
-            self.base, self._left_joints, self._right_joints, self._unknowns, given, rates, self._damping(),
+            self._jacobian, self._momentum_matrix, self._mass, left, right, self.base,
+            self._left_joints, self._right_joints, self._unknowns, given, rates, self._damping(),
         )  # fmt: skip
         self.q = pin.integrate(self._model, self.q, self.v * dt)
         self.update()

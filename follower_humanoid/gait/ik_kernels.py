@@ -90,6 +90,37 @@ def body_rates(
 
 
 @kernel(
+    "void(float64[::1], float64[:,:], float64[::1], float64[::1],"
+    " float64[::1], float64[:,:], float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64, float64, float64[:,:], float64[::1],"
+    " float64[:,::1], float64[:,::1], float64[::1], float64[:,::1],"
+    " float64, float64, float64, float64, float64[::1])"
+)
+def task_rates(
+    left_position: Array, left_rotation: Array, left_linear: Array, left_angular: Array,
+    right_position: Array, right_rotation: Array, right_linear: Array, right_angular: Array,
+    com: Array, com_velocity: Array, height: float, height_velocity: float, rotation: Array, angular: Array,
+    left_now: Array, right_now: Array, com_now: Array, base_now: Array,
+    foot_gain: float, fastest: float, com_gain: float, pelvis_gain: float, rates: Array,
+) -> None:  # fmt: skip
+    """Writes the rates of all tasks, shape (18,): left sole, right sole, then CoM and pelvis.
+
+    Arguments as in `foot_rates` and `body_rates`, in the order of `FootTask` and `BodyTask`.
+    """
+    foot_rates(
+        left_position, left_rotation, left_linear, left_angular, left_now, foot_gain, fastest, rates[:6]
+    )
+    foot_rates(
+        right_position, right_rotation, right_linear, right_angular, right_now, foot_gain, fastest,
+        rates[6:12],
+    )  # fmt: skip
+    body_rates(
+        com, com_velocity, height, height_velocity, rotation, angular, com_now, base_now,
+        com_gain, pelvis_gain, rates[12:],
+    )  # fmt: skip
+
+
+@kernel(
     "void(float64[::1,:], float64[::1], int64[::1], int64[::1], float64[::1], int64, float64[:,::1],"
     " float64[::1])"
 )

@@ -41,7 +41,8 @@ class ReferenceBody:
         model = robot.pin_model
         self._config = config
         self._toes = {side: robot.joint_index(f"{side.prefix}_toe_pitch") for side in SIDES}
-        self._hip_offset = float(model.jointPlacements[model.getJointId("l_hip_yaw")].translation[1])
+        hip_offset = float(model.jointPlacements[model.getJointId("l_hip_yaw")].translation[1])
+        self._hip_offsets = {side: side.sign * hip_offset for side in SIDES}
         self._ankle_height = -float(model.frames[robot.frame_id("l_sole")].placement.translation[2])
         self._hips = dict.fromkeys(SIDES, (0.0, 0.0))
         self._joints = len(robot.joint_names)
@@ -122,8 +123,7 @@ class ReferenceBody:
     def _locate_hips(self) -> None:
         """Where the hips of the reference are over the ground [m]."""
         _, left, _, (x, y, _) = self.ik.base.tolist()
-        for side in SIDES:
-            aside = side.sign * self._hip_offset
+        for side, aside in self._hip_offsets.items():
             self._hips[side] = (x + aside * left[0], y + aside * left[1])
 
 
@@ -148,10 +148,10 @@ def _foot_task(walker: Walker, side: Side) -> FootTask:
     c, s = math.cos(yaw), math.sin(yaw)
     level, down = math.cos(pitch), math.sin(pitch)
     return FootTask(
-        position=np.array([*swing.place.position, *swing.height.position]),
+        position=np.concatenate((swing.place.position, swing.height.position)),
         # About z by the yaw, then about the foot's own y by the pitch.
         rotation=np.array([[c * level, -s, c * down], [s * level, c, s * down], [-down, 0.0, level]]),
-        linear_velocity=np.array([*swing.place.velocity, *swing.height.velocity]),
+        linear_velocity=np.concatenate((swing.place.velocity, swing.height.velocity)),
         angular_velocity=np.array([-s * pitch_rate, c * pitch_rate, yaw_rate]),
     )
 

@@ -13,7 +13,6 @@ the wrenches that people and the leader applied. What is taken from the bag:
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -257,7 +256,7 @@ class Repetition(Chain):
         # The state of a tick tells what acted in the tick before it.
         wrenches = {name: held.at(self.tick + 1) for name, held in self._held.items()}
         missing = {_COMMANDS[topic]: None for topic in self._without if topic in _COMMANDS}
-        return dataclasses.replace(inputs, **wrenches, **missing)
+        return inputs._replace(**wrenches, **missing)
 
 
 def _with_carried_sequence(recorded: Recorded, folder: Path) -> Mapping[str, Mapping[str, Any]]:

@@ -29,20 +29,27 @@ class _Wires:
     """What flows to and from a node, looked up once.
 
     Attributes:
-        inputs: The component's class of inputs.
-        sources: Of each input its name, the samples of its topic by tick, and the period of who makes them;
-            0 if what comes at a tick is used at that tick.
         outputs: Of each output its name, its topic and the samples of that topic by tick.
     """
 
     def __init__(self, node: NodeWiring, flow: Mapping[str, dict[int, Any]]) -> None:
         """`flow`: topic → tick → sample."""
-        self.inputs = node.component_class().Inputs
-        self.sources = [
-            (name, flow[topic], 0 if is_same_tick(topic) else PRODUCER[topic].period)
-            for name, topic in node.inputs.items()
-        ]
+        self._class = node.component_class().Inputs
+        # Of each input, in their order, the samples of its topic by tick, and the period of who makes them;
+        # 0 if what comes at a tick is used at that tick. Nothing comes to an input that is not wired.
+        self._sources: list[tuple[dict[int, Any], int]] = []
+        for name in self._class.__match_args__:
+            topic = node.inputs.get(name)
+            same_tick = topic is None or is_same_tick(topic)
+            samples = {} if topic is None else flow[topic]
+            self._sources.append((samples, 0 if same_tick else PRODUCER[str(topic)].period))
+        self._periods = {period for _, period in self._sources}
         self.outputs = [(name, topic, flow[topic]) for name, topic in node.outputs.items()]
+
+    def inputs(self, tick: int) -> Any:
+        """What the node uses at a tick."""
+        used = {period: last_period(tick, period) if period else tick for period in self._periods}
+        return self._class(*[samples.get(used[period]) for samples, period in self._sources])
 
 
 class Chain:
@@ -120,24 +127,19 @@ class Chain:
         return False
 
     def _inputs(self, node: NodeWiring) -> Any:
-        wires = self._wires[node.name]
-        values = {
-            name: samples.get(last_period(self.tick, period) if period else self.tick)
-            for name, samples, period in wires.sources
-        }
-        return wires.inputs(**values)
+        return self._wires[node.name].inputs(self.tick)
 
     def _publish(self, node: NodeWiring, outputs: Any) -> None:
-        no_longer_used = self.tick - 2 * node.period
+        tick, no_longer_used = self.tick, self.tick - 2 * node.period
         for name, topic, samples in self._wires[node.name].outputs:
             sample = getattr(outputs, name)
             if self._interference is not None:
-                sample = self._interference(topic, self.tick, sample)
+                sample = self._interference(topic, tick, sample)
             if sample is None:
                 continue
-            samples[self.tick] = sample
+            samples[tick] = sample
             samples.pop(no_longer_used, None)
-            self.recorder.add(topic, self.tick, sample)
+            self.recorder.add(topic, tick, sample)
 
 
 def simulate(

@@ -1,9 +1,9 @@
 """The wiring table: which node runs which object, how often, and what flows where.
 
 The ROS graph and the ROS-free `simulate(...)` are both built from this table, so they cannot differ.
-A component is a class with `Config`, `Inputs` and `Outputs` (frozen dataclasses) as attributes,
-made by `Component(config, robot, period)` with the period in seconds, and stepped by
-`step(inputs, time) -> Outputs`. An input or output that is None was not published at that tick.
+A component is a class with `Config` (a frozen dataclass), `Inputs` and `Outputs` (named tuples or frozen
+dataclasses) as attributes, made by `Component(config, robot, period)` with the period in seconds, and
+stepped by `step(inputs, time) -> Outputs`. An input or output that is None was not published at that tick.
 """
 
 from __future__ import annotations

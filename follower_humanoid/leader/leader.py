@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +27,7 @@ class LeaderInputs:
     """A programme needs no measurement."""
 
 
-@dataclass(frozen=True)
-class LeaderOutputs:
+class LeaderOutputs(NamedTuple):
     """Wrenches on the robot, axes of world; forces at `l_gripper`, `r_gripper`, `base_link`."""
 
     leader_left: Wrench

@@ -196,6 +196,13 @@ class BulletRobot:
         """A force [N] during the next step on one of PyBullet's links, at a place, in world."""
         pybullet.applyExternalForce(self.body, link, force, place, pybullet.WORLD_FRAME, self._client)
 
+    def support(self, links: list[int], forces: list[list[float]], places: list[list[float]]) -> None:
+        """What the ground does during the next step: upward forces [N] on links, at places, in world."""
+        body, client, push, frame = self.body, self._client, pybullet.applyExternalForce, pybullet.WORLD_FRAME
+        for link, force, place in zip(links, forces, places, strict=True):
+            if force[2] > 0.0:
+                push(body, link, force, place, frame, client)
+
     def twist(self, link: int, torque: Sequence[float]) -> None:
         """A torque [N·m] during the next step on one of PyBullet's links, in world."""
         if any(torque):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -12,8 +13,7 @@ from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import Indices
 
 
-@dataclass(frozen=True)
-class Pull:
+class Pull(NamedTuple):
     """A wrench on the robot during one physics step.
 
     Attributes:

@@ -87,6 +87,7 @@ class RobotPlant:
         self.bullet = self._body(urdf, fixed_trunk)
         self._sole_links = [self.bullet.link(joint) for joint in self.soles.joints]
         self.q, self.v = self.bullet.q, self.bullet.v
+        self._angle, self._rate = self.q[7:], self.v[BASE_DOF:]  # they are renewed in place
         self.acceleration = np.zeros(self.model.nv)
         self.effort = np.zeros(len(robot.joint_names))
         self.time = 0.0
@@ -146,15 +147,14 @@ class RobotPlant:
         Raises:
             PhysicsError: The state left the finite numbers.
         """
-        h, model, data, q, v = self._step, self.model, self.data, self.q, self.v
-        rate = v[BASE_DOF:]
+        h, model, data, q, rate = self._step, self.model, self.data, self.q, self._rate
         self.renew_dynamics()
         free = -self._forces_at_rest
         self.motors.begin(voltage)
         self.motors.add_to(rate, free[BASE_DOF:])
         places = [self._add_pull(pull, free) for pull in pulls]
-        on_ground = not self._held.size and self.soles.begin(self.world_jacobian, v)
-        on_stop = self.stops.begin(q[7:], rate)
+        on_ground = not self._held.size and self.soles.begin(self.world_jacobian, self.v)
+        on_stop = self.stops.begin(self._angle, rate)
         for passes in range(1, MAX_PASSES + 1):
             if passes > 1:  # the contact of the pass before is in the mass matrix
                 pin.crba(model, data, q, pin.Convention.WORLD)
@@ -175,7 +175,8 @@ class RobotPlant:
         self.settled = settled
         if self._held.size:
             qdd[self._held] = 0.0
-        self.effort = self.motors.finish(qdd[BASE_DOF:], rate + h * qdd[BASE_DOF:])
+        joint_acceleration = qdd[BASE_DOF:]
+        self.effort = self.motors.finish(joint_acceleration, rate + h * joint_acceleration)
         self.acceleration = qdd
         if on_ground:
             self.soles.commit(settled)
@@ -183,7 +184,8 @@ class RobotPlant:
         self.world.step()
         self.time += h
         self.bullet.read()
-        self._check_finite()
+        if not self.bullet.finite:
+            self._complain()
 
     def held_point(self, frame: int) -> HeldPoint:
         """What the model says about a frame; looked up once."""
@@ -203,20 +205,14 @@ class RobotPlant:
     def _apply(self, pulls: tuple[Pull, ...], places: list[Array]) -> None:
         torque = self.effort + self.stops.torque if self.stops.active else self.effort
         self.bullet.drive(torque)
-        push = self.bullet.push
         if self.soles.touching:
-            forces, points = self.soles.force.tolist(), self.soles.points.tolist()
-            for link, force, point in zip(self._sole_links, forces, points, strict=True):
-                if force[2] > 0.0:
-                    push(link, force, point)
+            self.bullet.support(self._sole_links, self.soles.force.tolist(), self.soles.points.tolist())
         for pull, place in zip(pulls, places, strict=True):
             link = self.bullet.link(self.held_point(pull.frame).joint)
-            push(link, pull.force.tolist(), place.tolist())
+            self.bullet.push(link, pull.force.tolist(), place.tolist())
             self.bullet.twist(link, pull.torque.tolist())
 
-    def _check_finite(self) -> None:
-        if self.bullet.finite:
-            return
+    def _complain(self) -> None:
         names = [f"base_link {axis}" for axis in ("x", "y", "z", "roll", "pitch", "yaw")]
         names += self.robot.joint_names
         bad = [name for name, rate in zip(names, self.v, strict=True) if not np.isfinite(rate)]

@@ -97,6 +97,40 @@ def add_joint_force(
 
 
 @kernel(
+    "void(float64[::1], float64[::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[::1], float64, "
+    "float64[:,:,::1], float64[::1,:], int64[::1], int64[:,::1], float64[::1], float64[::1], float64[::1], "
+    "float64[:,::1], float64[:,:,::1], float64[::1], float64[::1], float64[:,::1])"
+)
+def add_step(
+    v_before: Array, v: Array, base_before: Array, base: Array, rotation: Array, gravity: Array, step: float,
+    poses: Array, twists: Array, joints: Indices, columns: Indices, left_bias: Array, right_bias: Array,
+    masses: Array, levers: Array, inertias: Array,
+    acceleration: Array, specific_force: Array, wrists: Array,
+) -> None:  # fmt: skip
+    """Adds what IMU and wrists feel during one physics step: `mean_acceleration`, then `add_joint_force`.
+
+    Args:
+        v_before, v, base_before, base, rotation, gravity, step: As there.
+        poses: Of all joints in world, (≥ 1, 4, 3).
+        twists: World Jacobian, (6, ≥ columns).
+        joints, columns: The joint that carries each hand, (2,), and what moves it, (2, columns).
+        left_bias, right_bias: Force through either joint at v̇ = 0, (6,).
+        masses, levers, inertias: Of the hands, (2,), (2, 3), (2, 3, 3).
+        acceleration: Written, (51,).
+        specific_force: Changed, (3,).
+        wrists: Changed, (2, 6).
+    """
+    mean_acceleration(
+        v_before, v, base_before, base, rotation, gravity, step, acceleration, specific_force
+    )
+    for hand in range(2):
+        add_joint_force(
+            poses[joints[hand]], twists, columns[hand], acceleration, left_bias if hand == 0 else right_bias,
+            masses[hand], levers[hand], inertias[hand], wrists[hand],
+        )  # fmt: skip
+
+
+@kernel(
     "void(float64[:,::1], float64[:,::1], float64[::1], float64[::1], float64, float64[::1], float64[::1])"
 )
 def seen_from(
@@ -125,3 +159,30 @@ def seen_from(
         az = pose[0, 2] * axes[0, axis] + pose[1, 2] * axes[1, axis] + pose[2, 2] * axes[2, axis]
         force[axis] = ax * fx + ay * fy + az * fz
         torque[axis] = ax * mx + ay * my + az * mz
+
+
+@kernel(
+    "void(float64[:,:,::1], int64[::1], float64[:,:,::1], float64[:,::1], float64[:,::1], float64[:,::1], "
+    "float64, float64[:,:,::1])"
+)
+def mean_wrenches(
+    poses: Array, joints: Indices, axes: Array, offsets: Array, feet: Array, wrists: Array, count: float,
+    means: Array,
+) -> None:  # fmt: skip
+    """Writes what the force sensors show: feet as in `seen_from`, wrists as they were summed.
+
+    Args:
+        poses: Of all joints in world, (≥ 1, 4, 3).
+        joints, axes, offsets: Of the soles: joint that carries each, and its frame in the joint's, (2,),
+            (2, 3, 3) and (2, 3).
+        feet: Sums of the wrenches on the feet about the world's origin, in world, (2, 6).
+        wrists: Sums at and in the wrists' joints, (2, 6).
+        count: How many steps they are sums of.
+        means: Written: force and torque of left and right foot, left and right wrist, (4, 2, 3).
+    """
+    for foot in range(2):
+        seen_from(
+            poses[joints[foot]], axes[foot], offsets[foot], feet[foot], count, means[foot, 0], means[foot, 1]
+        )
+        for n in range(6):
+            means[2 + foot, n // 3, n % 3] = wrists[foot, n] / count

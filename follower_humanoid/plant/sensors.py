@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -12,7 +13,7 @@ from follower_humanoid.core.samples import SIDES, Array, Inertial, Joints, Odome
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.pulls import Pull, add_in_joint
 from follower_humanoid.plant.robot_plant import RobotPlant
-from follower_humanoid.plant.sensor_sums import add_joint_force, mean_acceleration, seen_from
+from follower_humanoid.plant.sensor_sums import add_step, mean_wrenches
 from follower_humanoid.robot.model import BASE_DOF
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -45,8 +46,7 @@ class SensorConfig:
     odometry_velocity_noise: float = parameter(0.0, "base velocity noise", "m/s", 0.0, 1.0)
 
 
-@dataclass(frozen=True)
-class Readings:
+class Readings(NamedTuple):
     """All sensors at one tick."""
 
     joints: Joints
@@ -58,46 +58,57 @@ class Readings:
     right_wrist: Wrench
 
 
-class _SoleFrame:
-    """Where a sole's frame is fixed.
+class _Soles:
+    """Where the soles' frames are fixed, left first.
 
     Attributes:
-        pose: Of the joint that carries it, a view that follows the plant, (4, 3).
-        axes, offset: Rotation (3, 3) and origin (3,) in the joint's frame.
+        joints: Pinocchio joints that carry them, (2,).
+        axes, offsets: Rotations (2, 3, 3) and origins (2, 3) in their joints' frames.
     """
 
-    def __init__(self, plant: RobotPlant, name: str) -> None:
-        frame = plant.model.frames[plant.robot.frame_id(name)]
-        self.pose: Array = plant.joint_poses[frame.parentJoint]
-        self.axes = np.ascontiguousarray(frame.placement.rotation)
-        self.offset: Array = frame.placement.translation.copy()
+    def __init__(self, plant: RobotPlant) -> None:
+        frames = [plant.model.frames[plant.robot.frame_id(f"{side.prefix}_sole")] for side in SIDES]
+        self.joints = np.array([frame.parentJoint for frame in frames])
+        self.axes = np.array([frame.placement.rotation for frame in frames])
+        self.offsets = np.array([frame.placement.translation for frame in frames])
 
 
-class _WristJoint:
-    """The joint that a wrist's sensor measures at, and the hand behind it.
+class _Wrists:
+    """The joints that the wrists' sensors measure at, and the hands behind them, left first.
 
     Attributes:
-        joint: Its Pinocchio id.
-        pose: Its pose in world, a view that follows the plant, (4, 3).
-        columns: Columns of the Jacobian that move it.
-        mass, lever, inertia: Of the hand, in the joint's frame: m, centre (3,), about the centre (3, 3).
-        force_at_rest: Through the joint at no acceleration, a view that follows the plant, (6,).
-        displaced: Place of the sensor's frame in the joint's, None if they are the same.
+        joints: Their Pinocchio ids, (2,).
+        hand_of: Joint → which hand, 0 or 1.
+        poses: Of the joints in world, views that follow the plant, (4, 3) each.
+        columns: Columns of the Jacobian that move each, (2, n).
+        masses, levers, inertias: Of the hands, in their joints' frames: m (2,), centre (2, 3), about the
+            centre (2, 3, 3).
+        left_at_rest, right_at_rest: Force through each joint at no acceleration, views that follow the
+            plant, (6,) each.
+        displaced: Place of each sensor's frame in the joint's, None if they are the same.
     """
 
-    def __init__(self, plant: RobotPlant, name: str) -> None:
-        frame = plant.model.frames[plant.robot.frame_id(name)]
-        point = plant.held_point(plant.robot.frame_id(name))
-        self.joint, self.columns = point.joint, point.columns
-        self.pose: Array = plant.joint_poses[self.joint]
-        if len(plant.model.subtrees[self.joint]) > 1:
-            name = plant.model.names[self.joint]
-            raise ConfigurationError(f"URDF: another joint follows {name}, which must be the last of its arm")
-        hand = plant.model.inertias[self.joint]
-        self.mass, self.lever = float(hand.mass), hand.lever.copy()
-        self.inertia = np.ascontiguousarray(hand.inertia)
-        self.force_at_rest: Array = plant.data.f[self.joint].vector
-        self.displaced = None if frame.placement.isIdentity() else frame.placement
+    def __init__(self, plant: RobotPlant) -> None:
+        model, ids = plant.model, [plant.robot.frame_id(f"{side.prefix}_wrist") for side in SIDES]
+        points = [plant.held_point(frame) for frame in ids]
+        for joint in (point.joint for point in points):
+            if len(model.subtrees[joint]) > 1:
+                name = model.names[joint]
+                raise ConfigurationError(
+                    f"URDF: another joint follows {name}, which must be the last of its arm"
+                )
+        self.joints = np.array([point.joint for point in points])
+        self.hand_of = {point.joint: hand for hand, point in enumerate(points)}
+        self.poses: list[Array] = [plant.joint_poses[point.joint] for point in points]
+        self.columns = np.array([point.columns for point in points])
+        hands = [model.inertias[point.joint] for point in points]
+        self.masses = np.array([hand.mass for hand in hands])
+        self.levers = np.array([hand.lever for hand in hands])
+        self.inertias = np.array([hand.inertia for hand in hands])
+        at_rest: list[Array] = [plant.data.f[point.joint].vector for point in points]
+        self.left_at_rest, self.right_at_rest = at_rest
+        places = [model.frames[frame].placement for frame in ids]
+        self.displaced = [None if place.isIdentity() else place for place in places]
 
 
 class Sensors:
@@ -107,9 +118,8 @@ class Sensors:
         """Sensors of one robot at rest."""
         self._config, self._plant = config, plant
         self._random = np.random.default_rng(config.seed)
-        self._soles = [_SoleFrame(plant, f"{side.prefix}_sole") for side in SIDES]
-        self._hands = [_WristJoint(plant, f"{side.prefix}_wrist") for side in SIDES]
-        self._feet, self._wrists = np.zeros((2, 6)), np.zeros((2, 6))
+        self._soles, self._wrists = _Soles(plant), _Wrists(plant)
+        self._foot_sums, self._wrist_sums = np.zeros((2, 6)), np.zeros((2, 6))
         self._specific_force = np.zeros(3)
         self._count = 0
         self._v = plant.v.copy()
@@ -122,8 +132,8 @@ class Sensors:
 
     def clear(self) -> None:
         """Starts a control tick."""
-        self._feet.fill(0.0)
-        self._wrists.fill(0.0)
+        self._foot_sums.fill(0.0)
+        self._wrist_sums.fill(0.0)
         self._specific_force.fill(0.0)
         self._count = 0
 
@@ -134,23 +144,22 @@ class Sensors:
 
     def after_step(self, pulls: tuple[Pull, ...] = ()) -> None:
         """Adds one physics step and what people did in it."""
-        plant = self._plant
+        plant, wrists = self._plant, self._wrists
         if plant.soles.touching:
-            plant.soles.add_wrenches_to(self._feet)
-        mean_acceleration(
+            plant.soles.add_wrenches_to(self._foot_sums)
+        # Force through a wrist joint = inertia and weight of the hand less what acts on it.
+        add_step(
             self._v, plant.v, self._base, plant.bullet.base_twist, self._rotation, plant.world.ground.gravity,
-            plant.world.step_length, self._acceleration, self._specific_force,
+            plant.world.step_length, plant.joint_poses, plant.world_jacobian, wrists.joints, wrists.columns,
+            wrists.left_at_rest, wrists.right_at_rest, wrists.masses, wrists.levers, wrists.inertias,
+            self._acceleration, self._specific_force, self._wrist_sums,
         )  # fmt: skip
-        for hand, row in zip(self._hands, self._wrists, strict=True):
-            # Force through the wrist joint = inertia and weight of the hand less what acts on it.
-            add_joint_force(
-                hand.pose, plant.world_jacobian, hand.columns, self._acceleration,
-                hand.force_at_rest, hand.mass, hand.lever, hand.inertia, row,
-            )  # fmt: skip
-            for pull in pulls:
-                point = plant.held_point(pull.frame)
-                if point.joint == hand.joint:
-                    add_in_joint(hand.pose, point.offset, pull.force, pull.torque, row)
+        for pull in pulls:
+            point = plant.held_point(pull.frame)
+            hand = wrists.hand_of.get(point.joint)
+            if hand is not None:
+                total = self._wrist_sums[hand]
+                add_in_joint(wrists.poses[hand], point.offset, pull.force, pull.torque, total)
         self._count += 1
 
     def at_rest(self) -> None:
@@ -165,7 +174,8 @@ class Sensors:
         # Copied in one piece; what is read are parts of the copies.
         q, v = plant.q.copy(), plant.v.copy()
         specific_force = self._specific_force / self._count
-        left_foot, right_foot = self._read_feet()
+        means = self._mean_wrenches()
+        left_foot, right_foot = self._read_foot(means[0]), self._read_foot(means[1])
         return Readings(
             joints=Joints(
                 self._measured(q[7:], config.position_noise),
@@ -185,36 +195,38 @@ class Sensors:
             ),
             left_foot=left_foot,
             right_foot=right_foot,
-            left_wrist=self._read_wrist(0, biases["left_wrist_bias"]),
-            right_wrist=self._read_wrist(1, biases["right_wrist_bias"]),
+            left_wrist=self._read_wrist(0, means[2], biases["left_wrist_bias"]),
+            right_wrist=self._read_wrist(1, means[3], biases["right_wrist_bias"]),
         )
 
-    def _read_feet(self) -> list[Wrench]:
-        """Mean wrench of the tick in world, expressed at and in the sole frame of its end.
+    def _mean_wrenches(self) -> Array:
+        """Force and torque of left and right foot, left and right wrist, means of the tick, (4, 2, 3).
 
-        So force and moment balance the change of momentum over the tick exactly.
+        Of the feet, in world, expressed at and in the sole frame of its end: so force and moment balance
+        the change of momentum over the tick exactly.
         """
-        self._plant.renew_dynamics()  # the step to come needs it too
-        feet = []
-        for sole, total in zip(self._soles, self._feet, strict=True):
-            force, torque = np.empty(3), np.empty(3)
-            seen_from(sole.pose, sole.axes, sole.offset, total, self._count, force, torque)
-            feet.append(
-                Wrench(
-                    self._measured(force, self._config.foot_force_noise),
-                    self._measured(torque, self._config.foot_torque_noise),
-                )
-            )
-        return feet
+        plant, soles, means = self._plant, self._soles, np.empty((4, 2, 3))
+        plant.renew_dynamics()  # the step to come needs it too
+        mean_wrenches(
+            plant.joint_poses, soles.joints, soles.axes, soles.offsets, self._foot_sums, self._wrist_sums,
+            self._count, means,
+        )  # fmt: skip
+        return means
 
-    def _read_wrist(self, hand: int, bias: Array | None) -> Wrench:
-        mean = self._wrists[hand] / self._count
-        displaced = self._hands[hand].displaced
-        if displaced is not None:
-            mean = displaced.actInv(pin.Force(mean)).vector
+    def _read_foot(self, mean: Array) -> Wrench:
+        config = self._config
         return Wrench(
-            self._measured(mean[:3], self._config.wrist_force_noise, bias),
-            self._measured(mean[3:], self._config.wrist_torque_noise),
+            self._measured(mean[0], config.foot_force_noise),
+            self._measured(mean[1], config.foot_torque_noise),
+        )
+
+    def _read_wrist(self, hand: int, mean: Array, bias: Array | None) -> Wrench:
+        displaced, config = self._wrists.displaced[hand], self._config
+        if displaced is not None:
+            mean = displaced.actInv(pin.Force(mean.ravel())).vector.reshape(2, 3)
+        return Wrench(
+            self._measured(mean[0], config.wrist_force_noise, bias),
+            self._measured(mean[1], config.wrist_torque_noise),
         )
 
     def _measured(self, value: Array, deviation: float, bias: Array | None = None) -> Array:

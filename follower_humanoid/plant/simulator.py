@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,11 +13,10 @@ from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.board import Board, BoardConfig
 from follower_humanoid.plant.drives import Drives, HoldConfig
 from follower_humanoid.plant.falls import Fall, FallWatch
-from follower_humanoid.plant.grip import ZERO
+from follower_humanoid.plant.held_place import WORLD_NAMES, HeldPlace
 from follower_humanoid.plant.motors import MotorConfig
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
 from follower_humanoid.plant.pull_limits import PullLimiter, PullLimits
-from follower_humanoid.plant.pulls import Pull
 from follower_humanoid.plant.robot_plant import RobotPlant
 from follower_humanoid.plant.sensors import SensorConfig, Sensors
 from follower_humanoid.plant.soles import SoleConfig
@@ -27,7 +27,6 @@ from follower_humanoid.robot.model import RobotModel
 
 # Where the wrenches of `leader_left`, `leader_right` and `push` act.
 PULLED = ("l_gripper", "r_gripper", "base_link")
-WORLD_NAMES = ("", "world")
 
 
 @dataclass(frozen=True)
@@ -48,8 +47,7 @@ class SimulatorConfig:
     pull: PullLimits = field(default_factory=PullLimits)
 
 
-@dataclass(frozen=True)
-class SimulatorInputs:
+class SimulatorInputs(NamedTuple):
     """Commands of the current tick and wrenches that people apply; None: nothing came.
 
     Attributes:
@@ -65,8 +63,7 @@ class SimulatorInputs:
     push: Wrench | None = None
 
 
-@dataclass(frozen=True)
-class SimulatorOutputs:
+class SimulatorOutputs(NamedTuple):
     """State of the current tick; wrenches are means over the tick that just ended.
 
     Attributes:
@@ -143,17 +140,20 @@ class Simulator:
         self._falls = FallWatch(float(self.plant.q[2]))
         self._voltage = np.zeros(len(robot.joint_names))
         self._limiter = PullLimiter(config.pull)
-        self._pulled = [robot.frame_id(name) for name in PULLED]
+        self._places = [
+            HeldPlace(place, robot.frame_id(frame), self._limiter, self.plant)
+            for place, frame in zip(self._limiter.cut, PULLED, strict=True)
+        ]
         self.tick = 0
         self.time = 0.0
         self.fall: Fall | None = None
-        self._applied = [ZERO] * len(PULLED)
         self._rest()
 
     def _rest(self) -> None:
         for drives in self._drives:
             drives.start(self.plant.q[7:], self.plant.motors.voltage)
-        self._applied = [ZERO] * len(PULLED)
+        for place in self._places:
+            place.let_go()
         self._sensors.at_rest()
         self._outputs = self._read()
 
@@ -192,9 +192,10 @@ class Simulator:
             if group >= self._commanded:
                 drives.receive(command)
             drives.write(plant.q[7:], plant.v[6:], self._voltage)
-        self._applied = [ZERO] * len(PULLED)
+        given = (inputs.leader_left, inputs.leader_right, inputs.push)
         # Turned into world once: what is noted as applied is then exactly what acts in every step.
-        held = tuple(self._pull(*grip) for grip in self._grips(inputs))
+        taken = [place.take(wrench) for place, wrench in zip(self._places, given, strict=True)]
+        held = tuple(pull for pull in taken if pull is not None)
         sensors.clear()
         if self._board is not None:
             self._board.clear()
@@ -236,39 +237,12 @@ class Simulator:
         """Ends the physics server."""
         self.world.close()
 
-    def _grips(self, inputs: SimulatorInputs) -> list[tuple[int, Wrench, int]]:
-        """Index into `PULLED`, wrench and frame of its axes (−1: world) of all that is not zero."""
-        given = (inputs.leader_left, inputs.leader_right, inputs.push)
-        wrenches = [
-            None if wrench is None else self._limiter.limited(place, wrench)
-            for place, wrench in zip(self._limiter.cut, given, strict=True)
-        ]
-        return [
-            (index, wrench, -1 if wrench.frame in WORLD_NAMES else self._robot.frame_id(wrench.frame))
-            for index, wrench in enumerate(wrenches)
-            if wrench is not None and (np.count_nonzero(wrench.force) or np.count_nonzero(wrench.torque))
-        ]
-
-    def _pull(self, index: int, wrench: Wrench, axes: int) -> Pull:
-        """The wrench in world axes at this physics step, noted as applied."""
-        # Copies: a message's numbers may be read-only, which compiled loops do not take.
-        force, torque = np.array(wrench.force), np.array(wrench.torque)
-        if axes >= 0:
-            turn = self.plant.frame_rotation(axes)
-            force, torque = turn @ force, turn @ torque
-        self._applied[index] = Wrench(force, torque)
-        return Pull(self._pulled[index], force, torque)
-
     def _read(self) -> SimulatorOutputs:
         readings = self._sensors.read()
-        left, right, base = self._applied
+        left, right, base = self._places
         contacts: list[Wrench | None] = [None, None]
         if self._board is not None:
             contacts = [Wrench(force, np.zeros(3)) for force in self._board.mean_force()]
         return SimulatorOutputs(
-            joints=readings.joints, odometry=readings.odometry, imu=readings.imu,
-            left_foot=readings.left_foot, right_foot=readings.right_foot,
-            left_wrist=readings.left_wrist, right_wrist=readings.right_wrist,
-            left_applied=left, right_applied=right, base_applied=base,
-            left_contact=contacts[0], right_contact=contacts[1],
-        )  # fmt: skip
+            *readings, left.applied, right.applied, base.applied, contacts[0], contacts[1]
+        )

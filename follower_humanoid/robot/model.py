@@ -85,6 +85,7 @@ class RobotModel:
         self.lower: Array = np.array(self.pin_model.lowerPositionLimit[7:])
         self.upper: Array = np.array(self.pin_model.upperPositionLimit[7:])
         self.mass = float(sum(inertia.mass for inertia in self.pin_model.inertias))
+        self._last_state: tuple[Odometry, Joints, tuple[Array, Array]] | None = None
 
     def joint_index(self, name: str) -> int:
         """Index into the 45 actuated joints."""
@@ -107,11 +108,16 @@ class RobotModel:
         return np.concatenate((odometry.linear_velocity, odometry.angular_velocity, joint_velocity))
 
     def state(self, odometry: Odometry, joints: Joints) -> tuple[Array, Array]:
-        """(q, v) of a measured or desired robot state."""
-        return (
+        """(q, v) of a robot state, not to be written to: all components of a process ask for the same one."""
+        last = self._last_state
+        if last is not None and last[0] is odometry and last[1] is joints:
+            return last[2]
+        state = (
             self.configuration(odometry, joints.position),
             self.velocity(odometry, joints.velocity),
         )
+        self._last_state = (odometry, joints, state)
+        return state
 
     def _joint_groups(self) -> JointGroups:
         def indices(names: list[str]) -> Indices:

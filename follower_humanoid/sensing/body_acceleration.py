@@ -32,24 +32,32 @@ class BodyAcceleration:
             imu: Specific force at and in base_link.
             base_to_world: Rotation, shape (3, 3).
         """
-        turning = np.concatenate((imu.angular_velocity, v[BASE_DOF:]))
-        before = turning if self._before is None else self._before
-        self._before = turning
-        change = (turning - before) / self._period
-        rate = _rate(v, imu.angular_velocity, imu.linear_acceleration, base_to_world, change)
+        if self._before is None:
+            self._before = np.concatenate((imu.angular_velocity, v[BASE_DOF:]))
+        rate = np.empty(len(v))
+        _rate(
+            v, imu.angular_velocity, imu.linear_acceleration, base_to_world, self._period, self._before, rate
+        )
         return self._filter.step(rate)
 
 
-@kernel("(float64[::1], float64[:], float64[:], float64[:,::1], float64[::1])")
-def _rate(v: Array, turning: Array, specific_force: Array, base_to_world: Array, change: Array) -> Array:
-    """v̇ of `BodyAcceleration`, whose angular and joint parts are `change`.
+@kernel(
+    "void(float64[::1], float64[:], float64[:], float64[:,::1], float64, float64[::1], float64[::1])"
+)
+def _rate(
+    v: Array, turning: Array, specific_force: Array, base_to_world: Array, period: float,
+    before: Array, rate: Array,
+) -> None:  # fmt: skip
+    """Writes v̇ of `BodyAcceleration`, shape (51,).
 
-    The linear part is d/dt of the velocity's components in the turning base axes: `Rᵀ(c̈) − ω × v`.
+    The linear part is d/dt of the velocity's components in the turning base axes: `Rᵀ(c̈) − ω × v`. The
+    others are differences to `before`, shape (48,), which holds ω and joint velocities and moves on.
     """
-    rate = np.empty(v.size)
     for axis in range(3):
         after, last = (axis + 1) % 3, (axis + 2) % 3
         rate[axis] = specific_force[axis] - GRAVITY * base_to_world[2, axis]
         rate[axis] -= turning[after] * v[last] - turning[last] * v[after]
-    rate[3:] = change
-    return rate
+    for n in range(before.size):
+        now = turning[n] if n < 3 else v[3 + n]
+        rate[3 + n] = (now - before[n]) / period
+        before[n] = now

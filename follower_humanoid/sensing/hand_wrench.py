@@ -13,6 +13,7 @@ swallow the very pull that is to be followed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -34,8 +35,7 @@ class HandWrenchConfig:
     )
 
 
-@dataclass(frozen=True)
-class HandWrenchInputs:
+class HandWrenchInputs(NamedTuple):
     """State and wrist sensors of one tick."""
 
     joints: Joints
@@ -44,8 +44,7 @@ class HandWrenchInputs:
     right_wrist: Wrench
 
 
-@dataclass(frozen=True)
-class HandWrenchOutputs:
+class HandWrenchOutputs(NamedTuple):
     """What others do to the hands: axes of world, moment about `l_gripper`, `r_gripper`."""
 
     left_hand: Wrench
@@ -82,7 +81,7 @@ class _Hand:
         )
         before = now if self._before is None else self._before
         self._before = now
-        self._reading[:3], self._reading[3:] = wrist.force, wrist.torque
+        np.concatenate((wrist.force, wrist.torque), out=self._reading)
         sample = np.empty(6)
         external_wrench(before, now, self._reading, self._mass * GRAVITY, self._period, sample)
         external = self._filter.step(sample)
