@@ -18,16 +18,17 @@ from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.inlet import Inlet
 from follower_humanoid.ros.leaving import AHEAD, Attendance
-from follower_humanoid.ros.managed_node import ManagedNode, Rate
+from follower_humanoid.ros.managed_node import ManagedNode
 from follower_humanoid.ros.outlet import NOTHING, Outlet
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.shared_robot import shared_robot
+from follower_humanoid.ros.toll import Toll
 from follower_humanoid.ros.validation import MessageError
+from follower_humanoid.ros.watchdog import Watchdog
 
 _BARRIER_POLL = 0.02
-_PATIENCE = 1.0  # wall time for a stranger who may not keep the ticks [s]
 _TELL_EVERY = 5.0
 _SHORT_REST = 0.001
 
@@ -78,16 +79,13 @@ class LockStepNode(ManagedNode):
         self.outlet: Outlet
         self.codecs: dict[str, Codec] = {}
         self._barrier: Barrier | None = None
-        self._rate = Rate()
-        self._steps = 0
-        self._busy = self._cpu_from = 0.0
-        self._given_up = self._strange_seen = 0
-        self._progress_at = self._told_at = time.monotonic()
+        self._toll = Toll()
+        self._told_at = time.monotonic()
         self._announcer = Announcer(self)
         self.attendance = Attendance(self, self._goes_on_without, self.reject)
-        self._barrier_timer = self.create_timer(_BARRIER_POLL, self._look_at_barrier, clock=self._wall)
+        self._barrier_timer = self.make_timer(_BARRIER_POLL, self._look_at_barrier)
         self._barrier_timer.cancel()
-        self.create_timer(_PATIENCE, self._watch, clock=self._wall)
+        self._watchdog = Watchdog(self)
 
     def _make_lock(self) -> LockStep:
         hold = round(STALE / self.graph.tick)
@@ -145,7 +143,8 @@ class LockStepNode(ManagedNode):
 
     def start(self) -> None:
         """Looks for the others; the work begins when all are found."""
-        self._progress_at = self._told_at = time.monotonic()
+        self._told_at = time.monotonic()
+        self._watchdog.calm()
         self.idle = False
         if self.started:
             self.run_ready_steps()
@@ -246,8 +245,7 @@ class LockStepNode(ManagedNode):
             except Exception as error:  # a component that breaks ends the run, and says where
                 self.quit(1, f"{self.wiring.name} at tick {tick}: {type(error).__name__}: {error}")
                 return
-            self._steps += 1
-            self._busy += time.perf_counter() - begin
+            self._toll.add(time.perf_counter() - begin)
             self._reset_if_due()
             if not self.lock.paced:  # a timer goes on: strangers must be heard in between
                 return
@@ -265,11 +263,11 @@ class LockStepNode(ManagedNode):
         if not waiting:
             self._barrier_timer.cancel()
             self.started = True
-            self._progress_at = now
+            self._watchdog.calm()
             self.outlet.look()
             if self._adjusted is not None:
                 self._adjusted.tell()
-            self._cpu_from = time.process_time()
+            self._toll.begin()
             self._announcer.announce()
             self.barrier_passed()
             self.run_ready_steps()
@@ -277,50 +275,27 @@ class LockStepNode(ManagedNode):
             self._told_at = now
             self.logger.info(f"waiting for {'; '.join(waiting)}")
 
-    def _watch(self) -> None:
-        now = time.monotonic()
-        if self._steps != getattr(self, "_steps_seen", -1) or not (self.started and self.running):
-            self._steps_seen, self._progress_at = self._steps, now
-            return
-        waited = now - self._progress_at
-        if self.lock.strange != self._strange_seen and not self.away:
-            self._catch_up()
-        if waited >= _PATIENCE and (given_up := self.lock.give_up()):
-            self._given_up += len(given_up)
-            for missing in given_up:
-                self.logger.warning(f"no {missing}: its newest message is held from now on")
-            self.run_ready_steps()
-        elif self.graph.watchdog and waited > self.graph.watchdog:
-            self.stalled(waited, "; ".join(str(missing) for missing in self.lock.missing()))
-
-    def _catch_up(self) -> None:
+    def catch_up(self) -> None:
         """The others have gone on without this node, further than it can follow: it joins them again."""
-        self._strange_seen = self.lock.strange
         self.logger.warning(f"left behind at tick {self.lock.tick}: going on where the others are")
         self.away = True
         self.attendance.leave(self.lock.tick)
 
     def stalled(self, waited: float, missing: str) -> None:
         """Nothing has come for longer than the watchdog allows."""
-        if self._steps > 0:  # until then the simulator may wait for somebody's own node to be started
+        if self.steps > 0:  # until then the simulator may wait for somebody's own node to be started
             self.tell_once(f"waiting for {missing}")
 
     @property
     def steps(self) -> int:
         """Steps taken so far."""
-        return self._steps
+        return self._toll.steps
 
     def finish(self) -> None:
         """Takes no further step."""
         self.idle = False
         self.inlet.mailbox.close()
         super().finish()
-
-    def _cpu_per_tick(self) -> float:
-        """Of the whole process, since the start."""
-        if not self.started or self.lock.tick == 0:
-            return 0.0
-        return (time.process_time() - self._cpu_from) / self.lock.tick
 
     def _reconfigure(self, config: Any, changed: list[Parameter]) -> None:
         self.config = config
@@ -336,13 +311,10 @@ class LockStepNode(ManagedNode):
 
     def report(self) -> dict[str, float | int | str | bool]:
         """Rate, missed ticks, rejected messages, and what the component has to say."""
-        steps, busy = self._steps, self._busy
         values: dict[str, float | int | str | bool] = {
             "tick": max(0, self.lock.tick - self.wiring.period),
-            "rate [Hz]": self._rate.look(steps),
-            "step_time [s]": busy / steps if steps else 0.0,
-            "process_cpu_per_tick [s]": self._cpu_per_tick(),
-            "missed_ticks": self._given_up,
+            **self._toll.report(self.lock.tick),
+            "missed_ticks": self._watchdog.given_up,
             "late_messages": self.lock.late,
             "wrong_ticks": self.lock.strange,
             "stale_inputs": self.lock.stale,

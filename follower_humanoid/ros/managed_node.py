@@ -63,8 +63,8 @@ class ManagedNode(LifecycleNode):
         self._accept_transitions_with_care()
         make_careful(self, self.reject)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", DIAGNOSTICS)
-        self.create_timer(1.0, self._publish_diagnostics, clock=self._wall)
-        self._starter = self.create_timer(0.0, self._start_itself, clock=self._wall)
+        self.make_timer(1.0, self._publish_diagnostics)
+        self._starter = self.make_timer(0.0, self._start_itself)
 
     def set_up(self) -> None:
         """Makes what the node needs; nothing is published yet."""
@@ -120,6 +120,10 @@ class ManagedNode(LifecycleNode):
 
     def wind_down(self) -> None:
         """The end is near: begin nothing new, but finish what has arrived."""
+
+    def make_timer(self, period: float, callback: Callable[[], Any]) -> Any:
+        """Calls back every so often by the wall's clock; period in [s]."""
+        return self.create_timer(period, callback, clock=self._wall)
 
     def attend(self, seconds: float) -> bool:
         """Takes in what the node fetches itself, or waits for it so long [s]; False if there is nothing."""

@@ -38,11 +38,11 @@ class RecorderNode(ManagedNode):
         self.config = declare(self, RecorderConfig)
         self._writer: BagWriter | None = None
         self._recording: Recording | None = None
-        self._poll = self.create_timer(self.config.poll, self._visit, clock=self._wall)
+        self._poll = self.make_timer(self.config.poll, self._visit)
         self._poll.cancel()
-        self.create_timer(0.5, self._look_for_simulator, clock=self._wall)
+        self.make_timer(0.5, self._look_for_simulator)
         self._announcer = Announcer(self)
-        self._matching = self.create_timer(_MATCH_POLL, self._look_for_publishers, clock=self._wall)
+        self._matching = self.make_timer(_MATCH_POLL, self._look_for_publishers)
         self._matching.cancel()
         self._alone_since: float | None = None
 

@@ -121,7 +121,7 @@ class SimulatorNode(LockStepNode):
 
     def _keep_real_time(self) -> None:
         self._pace = Pace(self.graph.tick, time.monotonic(), self.lock.tick)
-        self.create_timer(_PACE, self._keep_pace, clock=self._wall)
+        self.make_timer(_PACE, self._keep_pace)
 
     def _keep_pace(self) -> None:
         """Goes on; time does not stand still for who is silent, whose motor drives then hold."""

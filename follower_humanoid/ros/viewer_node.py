@@ -54,9 +54,9 @@ class ViewerNode(ManagedNode):
         self._heard: dict[str, float] = {}
         self._begun = self._moved = time.monotonic()
         self._frames = 0
-        self._timer = self.create_timer(1.0 / self.config.rate, self._visit, clock=self._wall)
+        self._timer = self.make_timer(1.0 / self.config.rate, self._visit)
         self._timer.cancel()
-        self._push_timer = self.create_timer(_PUSHING, self._push_on, clock=self._wall)
+        self._push_timer = self.make_timer(_PUSHING, self._push_on)
         self._push_timer.cancel()
 
     @property
