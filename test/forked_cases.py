@@ -49,12 +49,12 @@ def test_it_waits_for_the_gate_and_goes_home_when_that_is_gone(tmp_path):
     assert not trace.exists()
 
 
-def test_ps_shows_its_name_and_it_has_its_own_session_and_environment(tmp_path):
+def test_ps_shows_its_name_and_it_has_its_own_process_group_and_environment(tmp_path):
     gate = Gate()
     told = tmp_path / "told"
 
     def tell():
-        told.write_text(f"{os.environ['GIVEN']} {os.getsid(0) == os.getpid()}")
+        told.write_text(f"{os.environ['GIVEN']} {os.getpgid(0) == os.getpid()}")
         print("dropped")
         return sleep_long()
 

@@ -53,7 +53,7 @@ class Gate:
 class Forked:
     """A process as `subprocess.Popen` has it: `pid`, `returncode`, `poll`, `wait`, `kill`, `send_signal`.
 
-    It has a session of its own, no input, and drops what it prints to stdout.
+    It has a process group of its own, no input, and drops what it prints to stdout.
     """
 
     def __init__(
@@ -107,7 +107,9 @@ def _live(
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_DFL)
-        os.setsid()
+        # Ctrl-C is bringup's alone. A session of its own would do that too, but the kernel shares the CPU out by
+        # sessions: nodes that hand one another the tick would interrupt each other at every message.
+        os.setpgid(0, 0)
         nowhere = os.open(os.devnull, os.O_RDWR)
         for stream in (0, 1):
             os.dup2(nowhere, stream)
