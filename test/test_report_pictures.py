@@ -20,6 +20,7 @@ from follower_humanoid.bag.recorder import recorded_topics
 from follower_humanoid.bag.writer import About, BagWriter
 from follower_humanoid.core.samples import SIDES
 from follower_humanoid.graph.record import Run
+from follower_humanoid.nodes import report as nodes_report
 from follower_humanoid.pictures.ground import footprints
 from follower_humanoid.pictures.report import PICTURES, make_report
 from follower_humanoid.pictures.signals import LIMBS, limb_voltages
@@ -157,6 +158,19 @@ def test_a_truncated_bag_is_reported_with_a_note(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "cut off" in done.stderr
     assert (tmp_path / "out" / "sticks.png").is_file()
+
+
+def test_a_bag_that_is_too_large_for_the_memory_is_told_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(*_: object) -> Run:
+        raise MemoryError
+
+    monkeypatch.setattr(nodes_report, "read_run", refuse)
+    assert nodes_report.main([str(tmp_path / "huge")]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "huge: too long for this machine's memory" in told
 
 
 @pytest.mark.parametrize("what", ["nowhere", "empty", "text"])

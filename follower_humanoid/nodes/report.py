@@ -32,6 +32,9 @@ def main(args: list[str] | None = None) -> int:
     except ConfigurationError as error:
         print(error, file=sys.stderr)
         return 2
+    except MemoryError:
+        print(f"report: {', '.join(map(str, bags))}: too long for this machine's memory", file=sys.stderr)
+        return 2
     for note in report.notes:
         print(f"note: {note}", file=sys.stderr)
     if report.has_steps:
