@@ -18,11 +18,12 @@ from follower_humanoid.bag.reader import read_run
 from follower_humanoid.viewer.bag_page import BagPage
 from follower_humanoid.viewer.config import ViewerConfig
 
+# Patience for a browser that draws without a graphics card.
 VIEWER = """
 viewer:
-  ros__parameters: {port: 0, rate: 8.0}
+  ros__parameters: {port: 0, rate: 8.0, pull.patience: 30.0}
 """
-_STEPS = 4
+_STEPS = 3
 _FADE = 8.0  # the scene appears slowly where there is no graphics card [s]
 
 
@@ -69,8 +70,10 @@ def recorded(browser: Browser, bag: Path, folder: Path) -> None:
         draw_for(4.0)
         browser.picture(folder / "viewer_bag.png")
         browser.keys("n")
+        draw_for(2.0)
         with browser.phone(390, 760):
-            draw_for(6.0)
+            browser.open(shown.page.address)  # as on a phone: it looks from elsewhere
+            draw_for(_FADE)
             browser.picture(folder / "viewer_phone.png")
     finally:
         shown.page.close("The viewer was stopped.")
