@@ -253,7 +253,7 @@ def joints_within(position: Array, inverse: Array, shift: Array, lower: Array, u
     Returns:
         Shape (arms, n) [rad].
     """
-    moved = position.copy()
+    moved: Array = position.copy()
     _move_within(inverse, shift, lower, upper, moved)
     return moved
 

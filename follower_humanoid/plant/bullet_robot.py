@@ -181,8 +181,8 @@ class BulletRobot:
         position, quat = pybullet.getBasePositionAndOrientation(self.body, self._client)
         linear, spin = pybullet.getBaseVelocity(self.body, self._client)
         states = pybullet.getJointStates(self.body, self._driven, self._client)
-        self._numbers.pack_into(self._angles, 0, *map(_ANGLE, states))
-        self._numbers.pack_into(self._rates, 0, *map(_RATE, states))
+        self._numbers.pack_into(self._angles.data, 0, *map(_ANGLE, states))
+        self._numbers.pack_into(self._rates.data, 0, *map(_RATE, states))
         if not self._all_driven:
             self.q[7:][self._rows], self.v[BASE_DOF:][self._rows] = self._angles, self._rates
         self.rotation, self.base_twist = np.empty((3, 3)), np.empty((2, 3))
