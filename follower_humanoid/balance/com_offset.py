@@ -47,24 +47,23 @@ class ComOffset:
             The corrected joint reference.
         """
         config = self._config
-        offset, rate = _followed(
-            wanted.com, hands.gamma, hands.kappa, self._offset, config.limit, config.bandwidth, dt
+        rate = np.empty(2)
+        _follow(
+            wanted.com, hands.gamma, hands.kappa, config.limit, config.bandwidth, dt, self._offset, rate
         )
-        self._offset = offset
-        return self._shifted.step(q, v, wanted, offset, rate, dt)
+        return self._shifted.step(q, v, wanted, self._offset, rate, dt)
 
 
 @kernel(
-    "UniTuple(float64[::1], 2)(float64[::1], float64[::1], float64, float64[::1], float64, float64, float64)"
+    "void(float64[::1], float64[::1], float64, float64, float64, float64, float64[::1], float64[::1])"
 )
-def _followed(
-    com: Array, gamma: Array, kappa: float, offset: Array, limit: float, bandwidth: float, dt: float
-) -> tuple[Array, Array]:
-    """The offset a tick later and its rate, on its way to δ = κ c − γ − c within ±limit, shape (2,) each."""
-    later, rate = np.empty(2), np.empty(2)
+def _follow(
+    com: Array, gamma: Array, kappa: float, limit: float, bandwidth: float, dt: float,
+    offset: Array, rate: Array,
+) -> None:  # fmt: skip
+    """Moves the offset a tick on towards δ = κ c − γ − c within ±limit; writes its rate, shape (2,) each."""
     for axis in range(2):
         goal = kappa * com[axis] - gamma[axis] - com[axis]
         goal = min(max(goal, -limit), limit)
         rate[axis] = bandwidth * (goal - offset[axis])
-        later[axis] = offset[axis] + dt * rate[axis]
-    return later, rate
+        offset[axis] += dt * rate[axis]

@@ -43,16 +43,16 @@ def measured_dcm(state: CenterState, hands: HandEffect, omega: float) -> Array:
         hands: Effect of the hand forces.
         omega: Natural frequency [1/s].
     """
-    return _dcm(state.com, state.velocity, hands.gamma, hands.kappa, omega)
-
-
-@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64, float64)")
-def _dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega: float) -> Array:
-    """ξ of `measured_dcm`."""
     dcm = np.empty(2)
+    _dcm(state.com, state.velocity, hands.gamma, hands.kappa, omega, dcm)
+    return dcm
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64, float64[::1])")
+def _dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega: float, dcm: Array) -> None:
+    """Writes ξ of `measured_dcm`."""
     for axis in range(2):
         dcm[axis] = (com[axis] + velocity[axis] / omega + gamma[axis]) / kappa
-    return dcm
 
 
 def desired_zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, omega: float, gain: float) -> Array:
@@ -67,16 +67,16 @@ def desired_zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, omega: f
     Returns:
         ZMP in world before any limit, shape (2,) [m].
     """
-    return _zmp(dcm, dcm_reference, zmp_reference, 1.0 + gain / omega)
-
-
-@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64)")
-def _zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, factor: float) -> Array:
-    """p of `desired_zmp` for the factor 1 + k/ω."""
     zmp = np.empty(2)
+    _zmp(dcm, dcm_reference, zmp_reference, 1.0 + gain / omega, zmp)
+    return zmp
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[::1])")
+def _zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, factor: float, zmp: Array) -> None:
+    """Writes p of `desired_zmp` for the factor 1 + k/ω."""
     for axis in range(2):
         zmp[axis] = zmp_reference[axis] + factor * (dcm[axis] - dcm_reference[axis])
-    return zmp
 
 
 def desired_force(
@@ -106,28 +106,28 @@ def desired_force(
     Returns:
         Force on the robot in world, shape (3,) [N].
     """  # fmt: skip
-    return _force(
+    force = np.empty(3)
+    _force(
         state.com, state.velocity, reference.com, reference.velocity, zmp, momentum_rate,
         hands.gamma, hands.force, hands.kappa, mass * omega**2, mass,
-        config.height_stiffness, config.height_damping,
+        config.height_stiffness, config.height_damping, force,
     )  # fmt: skip
+    return force
 
 
 @kernel(
-    "float64[::1](float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1],"
-    " float64[::1], float64[::1], float64, float64, float64, float64, float64)"
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64, float64, float64, float64, float64, float64[::1])"
 )
 def _force(
     com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array, zmp: Array, momentum_rate: Array,
     gamma: Array, hands: Array, kappa: float, stiffness: float, mass: float,
-    height_stiffness: float, height_damping: float,
-) -> Array:  # fmt: skip
-    """F of `desired_force`; `stiffness` is m ω², `hands` the sum of the hands' forces."""
-    force = np.empty(3)
+    height_stiffness: float, height_damping: float, force: Array,
+) -> None:  # fmt: skip
+    """Writes F of `desired_force`; `stiffness` is m ω², `hands` the sum of the hands' forces."""
     for axis in range(2):
         lever = com[axis] + gamma[axis] - kappa * zmp[axis] - momentum_rate[axis]
         force[axis] = stiffness * lever - hands[axis]
     lift = height_stiffness * (wanted_com[2] - com[2])
     lift += height_damping * (wanted_velocity[2] - velocity[2])
     force[2] = max(mass * (GRAVITY + lift) - hands[2], 0.0)
-    return force

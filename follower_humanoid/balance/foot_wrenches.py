@@ -138,24 +138,22 @@ def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, conf
 
 
 @kernel(
-    "float64[:,::1](float64, float64[::1], float64[::1], float64, float64[::1], float64[:,:], float64)"
+    "void(float64, float64[::1], float64[::1], float64, float64[::1], float64[:,:], float64, float64[:,::1])"
 )
 def wrench_in_sole(
     share: float, point: Array, force: Array, yaw_moment: float,
-    position: Array, rotation: Array, friction: float,
-) -> Array:  # fmt: skip
-    """Force and moment of `foot_wrench`, shape (2, 3); position and rotation are the sole's."""
+    position: Array, rotation: Array, friction: float, wrench: Array,
+) -> None:  # fmt: skip
+    """Writes force and moment of `foot_wrench`, shape (2, 3); position and rotation are the sole's."""
     f_x, f_y, f_z = share * force[0], share * force[1], share * force[2]
     tangential, limit = math.hypot(f_x, f_y), friction * max(f_z, 0.0)
     if tangential > limit:
         f_x, f_y = f_x * (limit / tangential), f_y * (limit / tangential)
     x, y, z = point[0] - position[0], point[1] - position[1], -position[2]
     m_x, m_y, m_z = y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x + share * yaw_moment
-    wrench = np.empty((2, 3))
     for i in range(3):
         wrench[0, i] = rotation[0, i] * f_x + rotation[1, i] * f_y + rotation[2, i] * f_z
         wrench[1, i] = rotation[0, i] * m_x + rotation[1, i] * m_y + rotation[2, i] * m_z
-    return wrench
 
 
 def foot_wrench(
@@ -171,5 +169,6 @@ def foot_wrench(
         place: The sole.
         friction: Limit of tangential over normal force.
     """
-    wrench = wrench_in_sole(share, point, force, yaw_moment, place.position, place.rotation, friction)
+    wrench = np.empty((2, 3))
+    wrench_in_sole(share, point, force, yaw_moment, place.position, place.rotation, friction, wrench)
     return Wrench(wrench[0], wrench[1])

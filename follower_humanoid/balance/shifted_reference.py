@@ -44,7 +44,8 @@ class ShiftedReference:
         )  # fmt: skip
         ik = self._ik
         # Joints outside the IK follow the reference as it is.
-        given = _led(q, v, ik.q, self._config.foot_gain)
+        given = np.empty(len(v) - BASE_DOF)
+        _lead(q, v, ik.q, self._config.foot_gain, given)
         ik.advance(feet, body, given, dt)
         return Joints(ik.q[BASE_DOF + 1 :], ik.v[BASE_DOF:], np.zeros(len(given)))
 
@@ -54,17 +55,16 @@ class ShiftedReference:
         return FootTask(place[3], place[:3].T, twist[:3], twist[3:])
 
 
-@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64)")
-def _led(q: Array, v: Array, q_now: Array, gain: float) -> Array:
-    """Velocities that lead the joints to a reference, q̇_d + k (q_d − q), shape (45,) [rad/s].
+@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[::1])")
+def _lead(q: Array, v: Array, q_now: Array, gain: float, given: Array) -> None:
+    """Writes velocities that lead the joints to a reference: q̇_d + k (q_d − q).
 
     Args:
         q, v: Reference configuration, shape (52,), and velocity, shape (51,).
         q_now: Present configuration, shape (52,).
         gain: k [1/s].
+        given: Written, shape (45,) [rad/s].
     """
-    given = np.empty(v.size - BASE_DOF)
     for joint in range(given.size):
         error = q[BASE_DOF + 1 + joint] - q_now[BASE_DOF + 1 + joint]
         given[joint] = v[BASE_DOF + joint] + gain * error
-    return given

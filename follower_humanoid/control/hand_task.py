@@ -165,10 +165,6 @@ def _hand_motion(
         place_rate[hand] += carried[hand]
 
 
-@kernel(
-    "(float64[:,::1], float64[:,::1], float64[:,::1], float64, float64, float64[::1], float64[::1],"
-    " boolean[::1])"
-)
 def return_velocity(
     error: Array, error_rate: Array, stretch: Array, proportional: float, differential: float,
     stiffness: Array, limit: Array, stopped: Mask,
@@ -195,22 +191,39 @@ def return_velocity(
 
     Reference: Savić et al. 2016, eqs. (17), (18).
     """
-    velocity = np.zeros_like(error)
+    velocity = np.zeros(error.shape)
+    _return(error, error_rate, stretch, proportional, differential, stiffness, limit, stopped, velocity)
+    return velocity
+
+
+@kernel(
+    "void(float64[:,::1], float64[:,::1], float64[:,::1], float64, float64, float64[::1], float64[::1],"
+    " boolean[::1], float64[:,::1])"
+)
+def _return(
+    error: Array, error_rate: Array, stretch: Array, proportional: float, differential: float,
+    stiffness: Array, limit: Array, stopped: Mask, velocity: Array,
+) -> None:  # fmt: skip
+    """Writes v_ref of `return_velocity` where it is not zero."""
     for hand in range(error.shape[0]):
         for axis in range(0 if stopped[hand] else 3):
             back = proportional * error[hand, axis] + differential * error_rate[hand, axis]
             force = stiffness[axis] * stretch[hand, axis]
             if abs(force) < limit[axis] or back * force <= 0.0:
                 velocity[hand, axis] = back
-    return velocity
 
 
-@kernel("(float64[:,::1], float64[:], float64[:])")
 def forces_in_task_axes(task_to_world: Array, left: Array, right: Array) -> Array:
     """Forces on both hands, in world shape (3,) each, turned into the task's axes, shape (2, 3) [N]."""
     turned = np.zeros((2, 3))
+    _add_in_task_axes(task_to_world, left, right, turned)
+    return turned
+
+
+@kernel("void(float64[:,::1], float64[:], float64[:], float64[:,::1])")
+def _add_in_task_axes(task_to_world: Array, left: Array, right: Array, turned: Array) -> None:
+    """Adds the forces of `forces_in_task_axes`."""
     for axis in range(3):
         for row in range(3):
             turned[0, axis] += task_to_world[row, axis] * left[row]
             turned[1, axis] += task_to_world[row, axis] * right[row]
-    return turned

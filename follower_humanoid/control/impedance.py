@@ -169,10 +169,6 @@ def stop_avoidance(
     return braking
 
 
-@kernel(
-    "(float64[::1], float64[::1], float64[::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64, float64, float64[:,::1])"
-)
 def hand_force(
     inertia: Array, damping: Array, stiffness: Array, stretch: Array, stretch_rate: Array,
     error: Array, error_rate: Array, reach: float, reach_stiffness: float, felt: Array,
@@ -190,32 +186,61 @@ def hand_force(
     Returns:
         Shape (arms, 3) [N].
     """
-    force = range_force(error, error_rate, reach, reach_stiffness, inertia[0])
-    for arm in range(stretch.shape[0]):
-        for axis in range(3):
-            force[arm, axis] += damping[axis] * stretch_rate[arm, axis]
-            force[arm, axis] += stiffness[axis] * stretch[arm, axis] + felt[arm, axis]
+    force = np.empty(stretch.shape)
+    _hand_force(
+        inertia, damping, stiffness, stretch, stretch_rate, error, error_rate, reach, reach_stiffness, felt,
+        force,
+    )  # fmt: skip
     return force
 
 
 @kernel(
-    "(float64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64, float64)"
+    "void(float64[::1], float64[::1], float64[::1], float64[:,::1], float64[:,::1], float64[:,::1],"
+    " float64[:,::1], float64, float64, float64[:,::1], float64[:,::1])"
 )
+def _hand_force(
+    inertia: Array, damping: Array, stiffness: Array, stretch: Array, stretch_rate: Array,
+    error: Array, error_rate: Array, reach: float, reach_stiffness: float, felt: Array, force: Array,
+) -> None:  # fmt: skip
+    """Writes the force of `hand_force`."""
+    force[:] = range_force(error, error_rate, reach, reach_stiffness, inertia[0])
+    for arm in range(stretch.shape[0]):
+        for axis in range(3):
+            force[arm, axis] += damping[axis] * stretch_rate[arm, axis]
+            force[arm, axis] += stiffness[axis] * stretch[arm, axis] + felt[arm, axis]
+
+
 def joint_acceleration(
     inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
     velocity_error: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
     position: Array, velocity: Array, lower: Array, upper: Array, stop_stiffness: float, stop_damping: float,
 ) -> Array:  # fmt: skip
     """Sum of `impedance_acceleration`, `posture_acceleration` and `stop_avoidance`; arguments as there."""
-    total: Array = impedance_acceleration(inertia, jacobian, inverse, force)
-    total += posture_acceleration(null, velocity_error, posture_error, posture_stiffness, posture_damping)
-    total += stop_avoidance(position, velocity, lower, upper, stop_stiffness, stop_damping)
+    total = np.empty(position.shape)
+    _joint_acceleration(
+        inertia, jacobian, inverse, null, force, velocity_error, posture_error, posture_stiffness,
+        posture_damping, position, velocity, lower, upper, stop_stiffness, stop_damping, total,
+    )  # fmt: skip
     return total
 
 
-@kernel("(float64[:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1], float64[:,::1])")
+@kernel(
+    "void(float64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1],"
+    " float64[:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
+    " float64, float64, float64[:,::1])"
+)
+def _joint_acceleration(
+    inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
+    velocity_error: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
+    position: Array, velocity: Array, lower: Array, upper: Array, stop_stiffness: float, stop_damping: float,
+    total: Array,
+) -> None:  # fmt: skip
+    """Writes the sum of `joint_acceleration`."""
+    total[:] = impedance_acceleration(inertia, jacobian, inverse, force)
+    total += posture_acceleration(null, velocity_error, posture_error, posture_stiffness, posture_damping)
+    total += stop_avoidance(position, velocity, lower, upper, stop_stiffness, stop_damping)
+
+
 def joints_within(position: Array, inverse: Array, shift: Array, lower: Array, upper: Array) -> Array:
     """Joint positions that move the hands by `shift`, to first order, kept within their ranges.
 
@@ -229,10 +254,16 @@ def joints_within(position: Array, inverse: Array, shift: Array, lower: Array, u
         Shape (arms, n) [rad].
     """
     moved: Array = position.copy()
+    _move_within(inverse, shift, lower, upper, moved)
+    return moved
+
+
+@kernel("void(float64[:,:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1])")
+def _move_within(inverse: Array, shift: Array, lower: Array, upper: Array, moved: Array) -> None:
+    """Moves positions as `joints_within` says."""
     arms, joints, size = inverse.shape
     for arm in range(arms):
         for joint in range(joints):
             for axis in range(size):
                 moved[arm, joint] += inverse[arm, joint, axis] * shift[arm, axis]
             moved[arm, joint] = min(max(moved[arm, joint], lower[arm, joint]), upper[arm, joint])
-    return moved

@@ -151,18 +151,18 @@ def joint_velocity(inverse: TaskInverse, task_velocity: Array, null_velocity: Ar
 
     Reference: Savić et al. 2016, eq. (6).
     """
-    return _task_and_rest(inverse.inverse, inverse.null, task_velocity, null_velocity)
+    motion = np.zeros(null_velocity.shape)
+    _add_task_and_rest(inverse.inverse, inverse.null, task_velocity, null_velocity, motion)
+    return motion
 
 
-@kernel("(float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1])")
-def _task_and_rest(inverse: Array, null: Array, task: Array, rest: Array) -> Array:
-    """`J⁺ x + N y` per arm, shape (arms, n)."""
+@kernel("void(float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1], float64[:,::1])")
+def _add_task_and_rest(inverse: Array, null: Array, task: Array, rest: Array, motion: Array) -> None:
+    """Adds `J⁺ x + N y` per arm, shape (arms, n)."""
     arms, joints, size = inverse.shape
-    motion = np.zeros((arms, joints))
     for arm in range(arms):
         for joint in range(joints):
             for axis in range(size):
                 motion[arm, joint] += inverse[arm, joint, axis] * task[arm, axis]
             for other in range(joints):
                 motion[arm, joint] += null[arm, joint, other] * rest[arm, other]
-    return motion

@@ -64,24 +64,25 @@ class SlidingMode:
             a, shape (n,) [rad/s²].
         """  # fmt: skip
         c = self._config
-        return _sliding_mode(
+        acceleration = np.empty(len(error))
+        _sliding_mode(
             error, error_velocity, feedforward, weight, saturated, self.estimate,
             c.slope, c.reaching, c.switching, c.boundary,
-            c.estimator * dt if c.estimate else 0.0, c.estimate_limit,
+            c.estimator * dt if c.estimate else 0.0, c.estimate_limit, acceleration,
         )  # fmt: skip
+        return acceleration
 
 
 @kernel(
-    "float64[::1](float64[::1], float64[::1], float64[::1], float64[::1], boolean[::1], float64[::1],"
-    " float64, float64, float64, float64, float64, float64)"
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], boolean[::1], float64[::1],"
+    " float64, float64, float64, float64, float64, float64, float64[::1])"
 )
 def _sliding_mode(
     error: Array, error_velocity: Array, feedforward: Array, weight: Array, saturated: NDArray[np.bool_],
     estimate: Array, slope: float, reaching: float, switching: float, boundary: float, growth: float,
-    estimate_limit: float,
-) -> Array:  # fmt: skip
-    """The law of `SlidingMode` for one tick; `estimate` moves on, `growth` is l Δt."""
-    acceleration = np.empty(error.size)
+    estimate_limit: float, acceleration: Array,
+) -> None:  # fmt: skip
+    """Writes a of `SlidingMode` for one tick; `estimate` moves on, `growth` is l Δt."""
     for joint in range(error.size):
         s = error_velocity[joint] + slope * error[joint]
         if not saturated[joint]:
@@ -90,4 +91,3 @@ def _sliding_mode(
         feedback = slope * error_velocity[joint] + reaching * s
         feedback += switching * min(max(s / boundary, -1.0), 1.0) + estimate[joint]
         acceleration[joint] = feedforward[joint] + weight[joint] * feedback
-    return acceleration

@@ -157,9 +157,11 @@ class DifferentialIk:
             body.pelvis_rotation, body.pelvis_angular_velocity, left, right, self._com, self.base,
             config.foot_gain, config.foot_speed, config.com_gain, config.pelvis_gain, rates,
         )  # fmt: skip
-        self.v = solve_velocities(
+        self.v = np.empty(self._model.nv)
+        solve_velocities(
             self._jacobian, self._momentum_matrix, self._mass, left, right, self.base,
             self._left_joints, self._right_joints, self._unknowns, given, rates, self._damping(),
+            self.v,
         )  # fmt: skip
         self.q = pin.integrate(self._model, self.q, self.v * dt)
         self.update()

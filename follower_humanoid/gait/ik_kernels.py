@@ -199,15 +199,15 @@ def solve_cholesky(matrix: Array, x: Array) -> None:
 
 
 @kernel(
-    "float64[::1](float64[::1,:], float64[::1,:], float64, float64[:,::1], float64[:,::1], float64[:,::1],"
-    " int64[::1], int64[::1], int64[::1], float64[::1], float64[::1], float64)"
+    "void(float64[::1,:], float64[::1,:], float64, float64[:,::1], float64[:,::1], float64[:,::1],"
+    " int64[::1], int64[::1], int64[::1], float64[::1], float64[::1], float64, float64[::1])"
 )
 def solve_velocities(
     jacobian: Array, momentum_matrix: Array, mass: float, left: Array, right: Array, base: Array,
     left_joints: Indices, right_joints: Indices, unknowns: Indices, given: Array, rates: Array,
-    damping: float,
-) -> Array:  # fmt: skip
-    """q̇ = Jᵀ(JJᵀ + λ²I)⁻¹ r for the unknowns, the other velocities as given.
+    damping: float, v: Array,
+) -> None:  # fmt: skip
+    """Writes q̇ = Jᵀ(JJᵀ + λ²I)⁻¹ r for the unknowns, the other velocities as given.
 
     Args:
         jacobian: Joint twists in world at its origin, linear over angular, shape (6, 51).
@@ -220,11 +220,8 @@ def solve_velocities(
         given: Velocities of all joints, shape (45,) [rad/s].
         rates: Rates r of left and right sole, CoM and pelvis, shape (18,).
         damping: λ.
-
-    Returns:
-        v, shape (51,).
+        v: Written, shape (51,).
     """
-    v = np.zeros(jacobian.shape[1])
     v[BASE_DOF:] = given
     number = np.full(len(v), -1)
     for n in range(TASKS):
@@ -252,4 +249,3 @@ def solve_velocities(
         for i in range(TASKS):
             total += columns[n, i] * rest[i]
         v[unknowns[n]] = total
-    return v

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -86,6 +87,7 @@ class Chain:
         self._wires = {node.name: _Wires(node, self._flow) for node in self.nodes}
         self.recorder = RunRecorder(tick, self.robot.joint_names, self.robot.urdf)
         self.tick = 0
+        gc.freeze()  # what exists now stays: collections during the run need not look at it again
 
     def advance(self) -> None:
         """One control tick: state, references, commands, physics."""
@@ -116,6 +118,7 @@ class Chain:
 
     def close(self) -> None:
         """Ends the physics engine."""
+        gc.unfreeze()
         self.simulator.close()
 
     def _make(self, node: NodeWiring) -> Any:

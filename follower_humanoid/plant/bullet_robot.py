@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import itemgetter
+from struct import Struct
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +20,8 @@ from follower_humanoid.robot.model import BASE_DOF, Indices
 # Pinocchio's joint 1 is the free-flyer; joint n > 1 is actuated joint n − 2.
 FIRST_ACTUATED = 2
 Triple = tuple[float, float, float]
+# Of what PyBullet says about a joint.
+_ANGLE, _RATE = itemgetter(0), itemgetter(1)
 
 
 @kernel(
@@ -132,6 +136,12 @@ class BulletRobot:
         self._principal_axes = pin.Quaternion(np.array(info[4]))
         self._to_base: Array = self._principal_axes.conjugate().coeffs().copy()
         self.q, self.v = np.zeros(7 + len(joint_names)), np.zeros(BASE_DOF + len(joint_names))
+        # Where `read` puts angles and rates: where they belong, if all joints are driven.
+        self._all_driven = driven is None
+        self._angles, self._rates = self.q[7:], self.v[BASE_DOF:]
+        if not self._all_driven:
+            self._angles, self._rates = np.zeros((2, len(self._driven)))
+        self._numbers = Struct(f"{len(self._driven)}d")
         self.rotation, self.base_twist = np.eye(3), np.zeros((2, 3))
         self.reads, self.finite = 0, True
         self.read()
@@ -171,9 +181,10 @@ class BulletRobot:
         position, quat = pybullet.getBasePositionAndOrientation(self.body, self._client)
         linear, spin = pybullet.getBaseVelocity(self.body, self._client)
         states = pybullet.getJointStates(self.body, self._driven, self._client)
-        joints, rates = self.q[7:], self.v[BASE_DOF:]
-        joints[self._rows] = [state[0] for state in states]
-        rates[self._rows] = [state[1] for state in states]
+        self._numbers.pack_into(self._angles.data, 0, *map(_ANGLE, states))
+        self._numbers.pack_into(self._rates.data, 0, *map(_RATE, states))
+        if not self._all_driven:
+            self.q[7:][self._rows], self.v[BASE_DOF:][self._rows] = self._angles, self._rates
         self.rotation, self.base_twist = np.empty((3, 3)), np.empty((2, 3))
         self.reads += 1
         self.finite = base_state(

@@ -67,7 +67,7 @@ class Drives:
 
     def receive(self, command: Joints | None) -> None:
         """Takes the command of a control tick; None or numbers that are not finite: none."""
-        if command is not None and math.isfinite(command.effort.sum()):
+        if command is not None and math.isfinite(sum(command.effort.tolist())):
             self._command = command
             self.holding = False
             return
