@@ -136,11 +136,20 @@ def other_ways() -> Iterator[Check]:
     yield at_most("turning in place: way", float(np.hypot(*turned.place[:2])), 0.3, "m")
     off = math.degrees(abs(turned.place[2] - math.pi / 2))
     yield at_most("turning in place: heading off 90°", off, 3.0, "°")
+    marched = one_run(Course(gait=march_in_place), 11.0)
+    yield from _gone("marching and turning in place", marched, np.zeros(2))
+    yield at_most("marching and turning in place: way", float(np.hypot(*marched.place[:2])), 0.3, "m")
+    yield at_least("marching and turning in place: smallest ZMP margin", marched.margin, 0.0, "mm", 1e3)
 
 
 def turn_in_place(time: float) -> Gait:
     """By 90° in steps of next to no length, 3.1 s each, then stands."""
     return Gait(0.1 if time < 22.0 else 0.0, math.pi / 2, 0.1, 1.0, math.pi / 2)
+
+
+def march_in_place(time: float) -> Gait:
+    """By 90° in half-steps of no length, as quick as they may be, then stands."""
+    return Gait(1.0 if time < 7.0 else 0.0, math.pi / 2, 0.0, 1.0, math.pi / 2)
 
 
 def _gone(what: str, ending: Ending, least: Array) -> Iterator[Check]:
@@ -185,6 +194,8 @@ def other_plants() -> Iterator[Check]:
     """Fig. 4 with a body, sensors or a floor that the controllers do not know of."""
     for name, parameters in PLANTS.items():
         yield _fig4(name, Course(left=FIG4_PULL), {"simulator": parameters})
+    slope = {"simulator": {"ground.slope": math.radians(2.0)}}
+    yield _fig4("floor falling by 2°, turning across it", Course(left=(0.0, 5.0, -10.0)), slope)
     yield _fig4("commands 6 ms late", Course(left=FIG4_PULL, delay=DELAY), {})
 
 

@@ -120,18 +120,24 @@ class GaitChanges:
         if switched and not half.single_support and half.progress < FRESH:
             return wanted
         support = walker.support()
-        bearable = max(0.0, self._strain(used, walker, support, dcm, room))
-        hardest = walker.swing_effort(used)
-        limits = (self._config.swing_acceleration, self._config.swing_turn)
         # There is nothing between walking and standing.
         for part in PARTS[:1] if switched else PARTS:
             gait = between(used, wanted, part)
-            if self._strain(gait, walker, support, dcm, room) > bearable:
+            strain = self._strain(gait, walker, support, dcm, room)
+            if strain > 0.0 and strain > self._strain(used, walker, support, dcm, room):
                 continue
-            effort = walker.swing_effort(gait)
-            if all(e <= max(h, m) for e, h, m in zip(effort, hardest, limits, strict=True)):
+            if self._foot_can(gait, walker):
                 return gait
         return used
+
+    def _foot_can(self, gait: Gait, walker: Walker) -> bool:
+        """Whether the swing foot can get to its landing, or has no harder way there than now."""
+        limits = (self._config.swing_acceleration, self._config.swing_turn)
+        effort = walker.swing_effort(gait)
+        if all(wanted <= limit for wanted, limit in zip(effort, limits, strict=True)):
+            return True
+        now = walker.swing_effort(self._used)
+        return all(wanted <= max(limit, old) for wanted, limit, old in zip(effort, limits, now, strict=True))
 
     def _strain(self, gait: Gait, walker: Walker, support: Array, dcm: Array, room: ZmpRoom) -> float:
         """How far the ZMP that joins the plan is beyond what it may be; negative within [m]."""
