@@ -30,8 +30,9 @@ def test_every_line_holds(tried):
 
 def test_a_soak_says_how_it_goes_and_holds(tmp_path, monkeypatch):
     monkeypatch.setattr("follower_humanoid.faults.soak._MINUTE", 500)
+    monkeypatch.setattr("follower_humanoid.faults.soak._BAG", 2)
     said = []
-    lines = list(soak.walk(0.05, 1, tmp_path / "bag", said.append))
+    lines = list(soak.walk(0.05, 1, tmp_path, said.append))
     assert [f"{line.what}: {line.measured}" for line in lines if not line.passed] == []
     assert [text.partition(",")[0] for text in said] == ["1 min", "2 min", "3 min"]
     assert "1500 states of 1500 ticks" in lines[-1].measured
