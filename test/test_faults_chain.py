@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from follower_humanoid.core.samples import Joints, Wrench
+from follower_humanoid.faults import soak
 from follower_humanoid.faults.case import Effort
 from follower_humanoid.faults.falling import falling
 from follower_humanoid.faults.limits import beyond_limits, chain_with
@@ -25,6 +26,29 @@ def test_every_line_holds(tried):
     lines = list(tried(Effort(brief=True)))
     assert lines
     assert [f"{line.what}: {line.measured}" for line in lines if not line.passed] == []
+
+
+def test_a_soak_says_how_it_goes_and_holds(tmp_path, monkeypatch):
+    monkeypatch.setattr("follower_humanoid.faults.soak._MINUTE", 500)
+    monkeypatch.setattr("follower_humanoid.faults.soak._BAG", 2)
+    said = []
+    lines = list(soak.walk(0.05, 1, tmp_path, said.append))
+    assert [f"{line.what}: {line.measured}" for line in lines if not line.passed] == []
+    assert [text.partition(",")[0] for text in said] == ["1 min", "2 min", "3 min"]
+    assert "1500 states of 1500 ticks" in lines[-1].measured
+
+
+def test_a_random_leader_is_the_same_again_and_another_with_another_seed():
+    def course(seed):
+        leader = soak.RandomLeader(seed)
+        pulls = [leader("leader/right_hand/wrench", tick, None).force for tick in range(0, 60_000, 250)]
+        return np.array(pulls)
+
+    np.testing.assert_array_equal(course(1), course(1))
+    assert not np.array_equal(course(1), course(2))
+    strength = np.linalg.norm(course(1), axis=1)
+    assert strength.min() == 0.0
+    assert 3.0 < strength.max() <= 6.0
 
 
 @pytest.mark.parametrize("node", [name for name in NODES if name not in ("simulator", "leader")])

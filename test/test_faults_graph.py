@@ -6,8 +6,12 @@ import pytest
 
 from follower_humanoid.bench.__main__ import main
 from follower_humanoid.faults.case import Effort
+from follower_humanoid.faults.cycles import cycles
+from follower_humanoid.faults.falling import in_a_graph
+from follower_humanoid.faults.floods import hostile_neighbour
 from follower_humanoid.faults.graph_run import graph_run
 from follower_humanoid.faults.network import is_local, network
+from follower_humanoid.faults.nodes import lost_nodes
 from follower_humanoid.ros.transport import choose_network
 
 pytestmark = pytest.mark.timeout(300)
@@ -17,6 +21,19 @@ def test_the_graph_is_bound_to_this_machine_and_its_participants_match():
     lines = list(network(Effort(brief=True)))
     assert [f"{line.what}: {line.measured}" for line in lines if not line.passed] == []
     assert "9 processes" in lines[0].measured or "8 processes" in lines[0].measured
+
+
+@pytest.mark.parametrize("tried", [hostile_neighbour, lost_nodes, cycles])
+@pytest.mark.timeout(900)
+def test_every_line_holds(tried):
+    lines = list(tried(Effort(brief=True)))
+    assert lines
+    assert [f"{line.what}: {line.measured}" for line in lines if not line.passed] == []
+
+
+def test_a_fall_and_broken_physics_end_a_graph_in_words():
+    lines = list(in_a_graph())
+    assert [f"{line.what}: {line.measured}" for line in lines if not line.passed] == []
 
 
 def test_a_controller_is_taken_out_and_brought_back_while_the_robot_stands():

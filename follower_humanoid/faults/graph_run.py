@@ -20,7 +20,7 @@ from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.record import Run
 from follower_humanoid.resources import node_command
 
-PATIENCE = 120.0  # wall time for anything that takes seconds on a free machine [s]
+PATIENCE = 600.0  # wall time for anything that takes seconds on a free machine [s]
 _TIME = re.compile(r"^t = ([0-9.]+) s", re.MULTILINE)
 
 

@@ -22,7 +22,7 @@ _SECONDS = 2.0  # simulated, of a run that is disturbed and goes on [s]
 _LATE_SECONDS = 0.5
 # Of bringup, and when to disturb: standing, and in the middle of the first step of fig. 4 [s].
 _WAYS = {"standing": (("--leader", "none"), 0.3), "walking": (("--leader", "fig4"), 1.2)}
-_FELL = 3
+FELL = 3  # exit status
 
 
 def lost_nodes(effort: Effort) -> Iterator[Check]:
@@ -134,7 +134,7 @@ def _halted_in_real_time(name: str, how: str) -> Check:
         started = run.halt(name, _HALT) and started
         went_on = run.time > before
         status = run.status()
-        may_be = (0,) if how == "standing" else (0, _FELL)
+        may_be = (0,) if how == "standing" else (0, FELL)
         good = started and went_on and status in may_be and ended_well(run)
         observed = f"time {'went on' if went_on else 'stood still'}, status {status}, {end_of(run)}"
     required = "drives hold, stays up" if how == "standing" else "drives hold, may fall, ends well"

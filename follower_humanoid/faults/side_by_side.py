@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from follower_humanoid.bench.check import Check
 from follower_humanoid.faults.case import Effort, survived
-from follower_humanoid.faults.graph_run import graph_run, own_domain
+from follower_humanoid.faults.graph_run import GraphRun, graph_run, own_domain
 
 
 def side_by_side(effort: Effort) -> Iterator[Check]:
@@ -20,17 +20,24 @@ def side_by_side(effort: Effort) -> Iterator[Check]:
 
 def _both(how: str, options: tuple[str, ...], first: int, second: int) -> Check:
     names = (("one",), ("two",)) if options[-1] == "--namespace" else ((), ())
-    with graph_run(*[o for o in options if o != "--namespace"], domain=first) as alone:
-        alone.status()
-        bag = alone.recorded()
-        walk_alone = "" if bag is None else bag.joint_hash()
+    with graph_run(*(option for option in options if option != "--namespace"), domain=first) as run:
+        alone, _ = _walk_of(run)
     with (
         graph_run(*options, *names[0], domain=first) as one,
         graph_run(*options, *names[1], domain=second) as two,
     ):
         status = (one.status(), two.status())
-        bags = [run.recorded() for run in (one, two)]
-    hashes = [bag.joint_hash() for bag in bags if bag is not None and not bag.notes]
-    same = hashes == [walk_alone, walk_alone]
+        (walk_one, notes_one), (walk_two, notes_two) = _walk_of(one), _walk_of(two)
+    same = walk_one == walk_two == alone != ""
+    whole = not notes_one and not notes_two
     observed = f"status {status[0]} and {status[1]}, {'the same walk' if same else 'another walk'}"
-    return survived(f"two graphs in two {how}", "both walk as if alone", observed, status == (0, 0) and same)
+    observed += "".join(f"; {note}" for note in (*notes_one, *notes_two))
+    good = status == (0, 0) and same and whole
+    return survived(f"two graphs in two {how}", "both walk as if alone", observed, good)
+
+
+def _walk_of(run: GraphRun) -> tuple[str, tuple[str, ...]]:
+    """Hash of a run's walk, and what its bag lacks."""
+    run.status()
+    bag = run.recorded()
+    return ("", ("no bag",)) if bag is None else (bag.joint_hash(), bag.notes)

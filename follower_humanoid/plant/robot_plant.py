@@ -185,7 +185,7 @@ class RobotPlant:
         self.time += h
         self.bullet.read()
         if not self.bullet.finite:
-            self._complain()
+            self._complain(free)
 
     def held_point(self, frame: int) -> HeldPoint:
         """What the model says about a frame; looked up once."""
@@ -212,10 +212,12 @@ class RobotPlant:
             self.bullet.push(link, pull.force.tolist(), place.tolist())
             self.bullet.twist(link, pull.torque.tolist())
 
-    def _complain(self) -> None:
+    def _complain(self, forces: Array) -> None:
+        # What comes out of a step has reached every joint: what went into it tells where it began.
+        origin = self.v if np.isfinite(forces).all() else forces
         names = [f"base_link {axis}" for axis in ("x", "y", "z", "roll", "pitch", "yaw")]
         names += self.robot.joint_names
-        bad = [name for name, rate in zip(names, self.v, strict=True) if not np.isfinite(rate)]
+        bad = [name for name, rate in zip(names, origin, strict=True) if not np.isfinite(rate)]
         raise PhysicsError(
             f"physics left the finite numbers at {self.time:.3f} s, first in: {', '.join(bad[:5])}"
         )
