@@ -107,8 +107,8 @@ def _live(
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_DFL)
-        # Ctrl-C is bringup's alone. A session would do that too, but the kernel shares the CPU out by sessions:
-        # nodes that hand one another the tick would interrupt each other at every message.
+        # Ctrl-C is bringup's alone. A session would do that too, but the kernel shares the CPU out by
+        # sessions: nodes that hand one another the tick would interrupt each other at every message.
         os.setpgid(0, 0)
         nowhere = os.open(os.devnull, os.O_RDWR)
         for stream in (0, 1):
