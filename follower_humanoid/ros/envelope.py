@@ -3,7 +3,8 @@
 A delivery between processes costs about the same for 100 bytes as for 5000, so nodes hand one another
 what belongs together in one piece. In it are the very bytes of the public messages. It travels as
 std_msgs/UInt8MultiArray on `graph/NODE`, and for nodes with a longer period, which leave most ticks
-unread, at the ticks that they use also on `graph/NODE/slow`. Its data, little-endian:
+unread, at the ticks that they use also on `graph/NODE/slow`. While an observer listens, the newest message of
+every topic goes out some times a second on `graph/NODE/seen`. Its data, little-endian:
 
     int64   stamp [ns]
     uint32  length of each message, in the order of the node's outputs; 0: not published at this tick
@@ -28,6 +29,11 @@ _DATA = len(HEADER) + _FRONT.size
 def envelope_topic(node: str, slow: bool = False) -> str:
     """Where a node sends its envelopes: all of them, or those that slow nodes read."""
     return f"graph/{node}/slow" if slow else f"graph/{node}"
+
+
+def seen_topic(node: str) -> str:
+    """Where an observer finds what a node has published last."""
+    return f"graph/{node}/seen"
 
 
 def hears_slow(reader: NodeWiring, producer: NodeWiring) -> bool:

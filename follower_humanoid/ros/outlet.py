@@ -15,6 +15,7 @@ from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_writer import EnvelopeWriter
+from follower_humanoid.ros.exhibit import Exhibit
 from follower_humanoid.ros.formats import PEOPLE
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ class Outlet:
         if self._slow_ticks:
             self._slow = node.make_publisher(UInt8MultiArray, envelope_topic(node.wiring.name, slow=True))
         self._absent = node.make_publisher(Header, ABSENT)
+        self._exhibit = Exhibit(node, self._writer)
         self._sent = 0
         self._heard: dict[str, Any] = {}
         self._sealed_heard = self._slow_heard = self._absent_heard = False
@@ -107,6 +109,7 @@ class Outlet:
         self._sealed_heard = self._sealed.get_subscription_count() > 0
         self._slow_heard = self._slow is not None and self._slow.get_subscription_count() > 0
         self._absent_heard = self._absent.get_subscription_count() > 0
+        self._exhibit.look()
 
     def send(self, outputs: Any, tick: int) -> None:
         """Sends every output that is there, and says of the others that they are not."""
@@ -134,6 +137,7 @@ class Outlet:
             node.bus.post(node.wiring.name, tick, samples, messages)
         for topic, message in messages.items():
             self._heard[topic].publish(message)
+        self._exhibit.show(samples, tick, stamp)
         if self._absent_heard:
             for topic, sample in samples.items():
                 if sample is None and topic in _READ_BY_NODES:

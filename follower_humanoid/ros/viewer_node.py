@@ -62,7 +62,7 @@ class ViewerNode(ManagedNode):
     @property
     def subscriptions(self) -> Iterator[Any]:
         """What an executor has to look after: not what is emptied by hand."""
-        own = set(self._newest.subscriptions.values()) if self._newest else set()
+        own = set(self._newest.subscriptions) if self._newest else set()
         return (s for s in super().subscriptions if s not in own)
 
     def set_up(self) -> None:
