@@ -19,7 +19,7 @@ from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, PRODUCER, SIMULATOR, WIRING, used_tick
 from follower_humanoid.ros.barrier import RESET
 from follower_humanoid.ros.component_node import ComponentNode
-from follower_humanoid.ros.envelope import envelope_topic
+from follower_humanoid.ros.envelope import envelope_topic, seen_topic
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.leaving import LEAVE
 from follower_humanoid.ros.outlet import ABSENT
@@ -27,7 +27,8 @@ from follower_humanoid.ros.simulator_node import SimulatorNode
 
 NAMESPACE = "/robots"
 ENVELOPES = {envelope_topic(name, slow) for name in NODES for slow in (False, True)}
-OWN = {"robot_description", ABSENT, ADJUSTED, HOLDING, RESET, CLOCK, LEAVE, "graph/ready", *ENVELOPES}
+SEEN = {seen_topic(name) for name in NODES}
+OWN = {"robot_description", ABSENT, ADJUSTED, HOLDING, RESET, CLOCK, LEAVE, "graph/ready", *ENVELOPES, *SEEN}
 ROS_OWN = {"/parameter_events", "/rosout", "/diagnostics"}
 
 
@@ -107,6 +108,13 @@ def test_envelopes_come_from_those_who_produce_an_input_and_from_nobody_else(run
     slow = NODES[name].period > 1
     assert listens & ENVELOPES == {envelope_topic(producer, slow) for producer in producers}
     assert envelope_topic(name) in publishes & ENVELOPES <= {envelope_topic(name), envelope_topic(name, True)}
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_what_observers_see_is_for_no_node_of_the_graph(running, name):
+    listens, publishes = running[name]
+    assert not listens & SEEN
+    assert publishes & SEEN == {seen_topic(name)}
 
 
 def test_slow_nodes_are_the_only_reason_for_a_second_envelope(running):
