@@ -13,10 +13,11 @@ from viewer_browser import Browser, needs_browser
 
 from follower_humanoid.robot.model import RobotModel
 
-# Patience for a browser that draws without a graphics card; that a page is closed is noticed at once.
+# Patience for a browser that draws without a graphics card, but less than the test has: a browser may keep a page
+# that was left, connection and all, for the case that somebody comes back to it.
 VIEWER = """
 viewer:
-  ros__parameters: {port: 0, shadows: false, rate: 10.0, pull.patience: 30.0}
+  ros__parameters: {port: 0, shadows: false, rate: 10.0, pull.patience: 8.0}
 """
 
 # Notes the forces that a topic carries, one JSON list a line.
