@@ -13,8 +13,8 @@ from viewer_browser import Browser, needs_browser
 
 from follower_humanoid.robot.model import RobotModel
 
-# Patience for a browser that draws without a graphics card, but less than the test has: a browser may keep a page
-# that was left, connection and all, for the case that somebody comes back to it.
+# Patience for a browser that draws without a graphics card, but less than the test has: a browser may keep a
+# page that was left, connection and all, for the case that somebody comes back to it.
 VIEWER = """
 viewer:
   ros__parameters: {port: 0, shadows: false, rate: 10.0, pull.patience: 8.0}

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
+from typing import Any
 
 from follower_humanoid.core.cdr import HEADER
 from follower_humanoid.graph.wiring import NodeWiring
@@ -39,6 +40,12 @@ def seen_topic(node: str) -> str:
 def hears_slow(reader: NodeWiring, producer: NodeWiring) -> bool:
     """Whether a node takes only some of another's envelopes."""
     return reader.period > producer.period
+
+
+def comes_by_itself(node: Any, topic: str) -> bool:
+    """Whether a node hears a topic by its name, since it is asked to or since the topic is remapped."""
+    name = node.resolve_topic_name
+    return topic in node.graph.heard_by_topic or name(topic) != name(topic, only_expand=True)
 
 
 class Envelope:

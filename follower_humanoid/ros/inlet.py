@@ -14,7 +14,7 @@ from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nodes_with
 from follower_humanoid.ros.barrier import Barrier
 from follower_humanoid.ros.codecs import Codec
-from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
+from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_reader import EnvelopeReader
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.mailbox import Mailbox
@@ -48,7 +48,9 @@ class Inlet:
         self._by_topic: list[str] = []
         for topic in node.lock.topics:
             producer = SIMULATOR if topic == CLOCK else PRODUCER[topic].name
-            if producer not in node.present or self._is_apart(topic):
+            # People's topics: the lock waits for the leader's copy, which only the envelope holds.
+            apart = topic not in PEOPLE and comes_by_itself(node, topic)
+            if producer not in node.present or apart:
                 self._by_topic.append(topic)
             elif node.bus is not None and producer in node.bus:
                 by_bus.setdefault(producer, []).append(topic)
@@ -58,12 +60,6 @@ class Inlet:
         self._by_envelope = {producer: tuple(topics) for producer, topics in by_envelope.items()}
         for topics in (*self._by_bus.values(), *self._by_envelope.values()):
             node.lock.put_together(topics)
-
-    def _is_apart(self, topic: str) -> bool:
-        if topic in PEOPLE:  # the lock waits for the leader's copy, which only the envelope holds
-            return False
-        name: Any = self._node.resolve_topic_name
-        return topic in self._node.graph.heard_by_topic or name(topic) != name(topic, only_expand=True)
 
     def open(self, codecs: Mapping[str, Codec], barrier: Barrier) -> None:
         """Subscribes."""

@@ -19,7 +19,7 @@ from follower_humanoid.core.cdr import stamp_of
 from follower_humanoid.graph.wiring import PRODUCER
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.codecs import Codec
-from follower_humanoid.ros.envelope import Envelope, seen_topic
+from follower_humanoid.ros.envelope import Envelope, comes_by_itself, seen_topic
 from follower_humanoid.ros.envelope_reader import EnvelopeReader
 from follower_humanoid.ros.validation import MessageError
 
@@ -87,7 +87,7 @@ class Newest:
         """Subscribes."""
         shown: dict[str, list[str]] = {}
         for topic in self._codecs:
-            if self._is_apart(topic):
+            if comes_by_itself(self._node, topic):
                 self._listen_by_name(topic)
             else:
                 shown.setdefault(PRODUCER[topic].name, []).append(topic)
@@ -147,10 +147,6 @@ class Newest:
         self._by_name[topic] = self._node.create_subscription(
             self._codecs[topic].message_type, topic, _drop, NEWEST, raw=True
         )
-
-    def _is_apart(self, topic: str) -> bool:
-        name: Any = self._node.resolve_topic_name
-        return topic in self._node.graph.heard_by_topic or name(topic) != name(topic, only_expand=True)
 
 
 def _take(subscription: Any) -> bytes | None:

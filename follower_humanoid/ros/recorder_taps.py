@@ -19,7 +19,7 @@ from follower_humanoid.bag.recorder import STATE, Arrival, Recorded, Recording, 
 from follower_humanoid.core.cdr import LARGEST_STAMP, clock_bytes
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
-from follower_humanoid.ros.envelope import Envelope, envelope_topic
+from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.validation import MessageError
 
@@ -95,13 +95,14 @@ class RecorderTaps:
         waiting = {topic.name: topic for topic in recorded_topics()}
         for name, wiring in nodes_with(self._node.present).items():
             envelope = Envelope(wiring)
-            mine = {topic for topic in envelope.topics if not self._is_apart(topic)}
+            mine = {topic for topic in envelope.topics if not comes_by_itself(self._node, topic)}
             if name not in self._node.present or not mine:
                 continue
             parts = tuple(waiting[topic] if topic in mine else None for topic in envelope.topics)
             for heard in mine - PEOPLE:  # those of people are heard by name too
                 del waiting[heard]
-            clock = waiting.pop(CLOCK) if name == SIMULATOR and not self._is_apart(CLOCK) else None
+            with_clock = name == SIMULATOR and not comes_by_itself(self._node, CLOCK)
+            clock = waiting.pop(CLOCK) if with_clock else None
             subscription = self._subscribe(_ENVELOPE, envelope_topic(name), True)
             self._envelopes.append(_EnvelopeTap(envelope, parts, clock, subscription))
         for topic in waiting.values():
@@ -174,10 +175,6 @@ class RecorderTaps:
         profiles = [info.qos_profile for info in self._node.get_publishers_info_by_topic(name)]
         offered = [offered_qos(p.reliability.name.lower(), p.durability.name.lower()) for p in profiles]
         return name, offered or [offered_qos()]
-
-    def _is_apart(self, topic: str) -> bool:
-        name: Any = self._node.resolve_topic_name
-        return topic in self._node.graph.heard_by_topic or name(topic) != name(topic, only_expand=True)
 
     def _publishers(self, topic: Recorded) -> int:
         return self._publishers_of(topic.name)
