@@ -10,6 +10,7 @@ from std_msgs.msg import Header
 
 from follower_humanoid.core.cdr import stamp_of
 from follower_humanoid.ros.cdr import CdrWriter
+from follower_humanoid.ros.lines import Lines
 from follower_humanoid.ros.mailbox import Mailbox
 from follower_humanoid.ros.qos import LOCKSTEP
 
@@ -97,3 +98,26 @@ def test_it_sleeps_no_longer_than_it_may_and_not_at_all_where_nothing_is_missing
     post.fetch_round()
     assert not post.mailbox.fetch(60.0)  # at once, or this test never ends
     assert post.received == {"one": [7]}
+
+
+def test_what_comes_by_a_line_is_not_read_from_the_topic_too(node):
+    lines = Lines([("there", "here")])
+    mouth, ear = lines.mouths["there", "here"], lines.ears["there", "here"]
+    received = []
+    subscription = node.create_subscription(Header, "one", lambda _: None, LOCKSTEP, raw=True)
+    node.mailbox.add(subscription, lambda data: not received.append(data), lambda: True, ear)
+    publisher = node.create_publisher(Header, "one", LOCKSTEP)
+    until = time.monotonic() + PATIENCE
+    while publisher.get_subscription_count() == 0:
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    publisher.publish(Header())
+    assert node.mailbox.fetch(0.05)
+    assert received == []
+    mouth.send(b"this")
+    assert node.mailbox.fetch(PATIENCE)
+    assert received == [b"this"]
+    assert subscription in node.mailbox.subscriptions
+    lines.keep(["here"])  # the other end is gone
+    assert node.mailbox.fetch(PATIENCE)
+    assert not node.mailbox.fetch(60.0)  # nothing can come any more: at once, or this test never ends

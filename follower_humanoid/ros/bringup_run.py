@@ -22,6 +22,7 @@ from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
+from follower_humanoid.ros.lines import lay, line_pairs
 from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
 from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.spin import StopSignal, start_ros
@@ -104,6 +105,7 @@ class BringupRun:
     def _fork_nodes(self, arguments: list[str]) -> None:
         """Before ROS runs in this process; they wait for their parameters."""
         plan = self._plan
+        lines = lay(line_pairs(plan.nodes, plan.options.composed, plan.options.bag is not None))
         if plan.options.composed:
             self._crew.fork(COMPOSED, ["--nodes", ",".join(plan.nodes), *arguments], plan.nodes)
         else:
@@ -111,6 +113,7 @@ class BringupRun:
                 self._crew.fork(name, arguments, (name,))
         if plan.options.bag:
             self._crew.fork(RECORDER, arguments, (RECORDER,))
+        lines.keep(())
 
     def _lead_to_activity(self) -> End | None:
         """Configures and activates everyone, the simulator last; returns an end that came too early.

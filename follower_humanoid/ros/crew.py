@@ -14,6 +14,7 @@ from pathlib import Path
 
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.forked import Forked, Gate
+from follower_humanoid.ros.lines import born_with
 from follower_humanoid.ros.spin import PARENT
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
@@ -65,7 +66,12 @@ class Crew:
         main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
         gc.freeze()  # pages that no collection touches stay shared
         command = [*node_command(name), *args]
-        process = Forked(command, lambda: int(main(list(args))), self._environment, self._gate)
+
+        def live() -> int:
+            born_with().keep(nodes)
+            return int(main(list(args)))
+
+        process = Forked(command, live, self._environment, self._gate)
         self.members.append(Member(name, nodes, process))
 
     def begin(self) -> None:

@@ -17,8 +17,10 @@ from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_reader import EnvelopeReader
 from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.lines import born_with
 from follower_humanoid.ros.mailbox import Mailbox
 from follower_humanoid.ros.outlet import ABSENT
+from follower_humanoid.ros.qos import LOCKSTEP, UNREAD
 from follower_humanoid.ros.validation import MessageError
 
 if TYPE_CHECKING:
@@ -29,7 +31,8 @@ class Inlet:
     """Brings every input of a node into its lock.
 
     - From a node in the same process: the sample itself, by the bus.
-    - From another process of this graph: as part of the producer's envelope.
+    - From another process of this graph: as part of the producer's envelope, which comes by a line where both
+      processes are of the same bringup.
     - From strangers in place of a node that was left out, and where a topic is remapped: by the public topic.
 
     Attributes:
@@ -72,10 +75,12 @@ class Inlet:
             reader = EnvelopeReader(Envelope(table[producer]), {t: codecs[t] for t in topics if t != CLOCK})
             topic = envelope_topic(producer, hears_slow(node.wiring, table[producer]))
             deliver = partial(self._deliver, reader, topics)
-            subscription = node.make_subscription(UInt8MultiArray, topic, deliver)
+            line = born_with().ears.get((producer, node.wiring.name))
+            qos = LOCKSTEP if line is None else UNREAD
+            subscription = node.make_subscription(UInt8MultiArray, topic, deliver, qos)
             if node.bus is None:  # several nodes in one process must not wait for one another's messages
                 receive = partial(self._receive_envelope, reader, topics)
-                self.mailbox.add(subscription, receive, partial(node.lock.waits_for, topics[0]))
+                self.mailbox.add(subscription, receive, partial(node.lock.waits_for, topics[0]), line)
         for topic in self._by_topic:
             if topic == CLOCK:
                 node.make_subscription(Clock, CLOCK, self._receive_clock)

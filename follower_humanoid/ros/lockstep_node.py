@@ -31,6 +31,7 @@ from follower_humanoid.ros.watchdog import Watchdog
 _BARRIER_POLL = 0.02
 _TELL_EVERY = 5.0
 _SHORT_REST = 0.001
+_LONGEST_FLUSH = 0.5
 
 
 class LockStepNode(ManagedNode):
@@ -294,8 +295,15 @@ class LockStepNode(ManagedNode):
     def finish(self) -> None:
         """Takes no further step."""
         self.idle = False
+        self.send_what_is_late(_LONGEST_FLUSH)
         self.inlet.mailbox.close()
         super().finish()
+
+    def send_what_is_late(self, seconds: float = 0.0) -> None:
+        """Sends what others had no room for before; tries for so long [s]."""
+        until = time.monotonic() + seconds
+        while hasattr(self, "outlet") and self.outlet.flush() and time.monotonic() < until:
+            time.sleep(_SHORT_REST)
 
     def _reconfigure(self, config: Any, changed: list[Parameter]) -> None:
         self.config = config

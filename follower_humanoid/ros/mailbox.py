@@ -10,34 +10,74 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
 from follower_humanoid.core.cdr import NANOSECONDS
+from follower_humanoid.ros.lines import Ear
+
+
+class _Source(Protocol):
+    """Where messages come from: an `Ear`, or a subscription."""
+
+    open: bool
+
+    def wait(self, seconds: float) -> None: ...
+
+    def take(self) -> bytes | None: ...
+
+    def close(self) -> None: ...
+
+
+class _Subscribed:
+    """A subscription as a source."""
+
+    def __init__(self, subscription: Any, context: Any) -> None:
+        self.open = True
+        self._handle, self._type = subscription.handle, subscription.msg_type
+        self._waiting = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, context.handle)
+        self._held = ExitStack()  # else who destroys the subscription takes it away under a wait
+        self._held.enter_context(self._waiting)
+        self._held.enter_context(self._handle)
+
+    def wait(self, seconds: float) -> None:
+        self._waiting.clear_entities()
+        self._waiting.add_subscription(self._handle)
+        self._waiting.wait(round(seconds * NANOSECONDS))
+
+    def take(self) -> bytes | None:
+        taken = self._handle.take_message(self._type, True)
+        return None if taken is None else taken[0]
+
+    def close(self) -> None:
+        if not self.open:
+            return
+        self.open = False
+        self._held.close()
+        self._waiting.destroy_when_not_in_use()
 
 
 @dataclass(frozen=True, eq=False)
 class _Box:
-    """One subscription.
+    """What comes from one source.
 
     Attributes:
-        handle, message_type: Of the subscription.
+        source: Where from.
         receive: Takes a serialised message in; returns whether it was the last one that was missing.
         missing: Whether a message is waited for.
     """
 
-    handle: Any
-    message_type: type
+    source: _Source
     receive: Callable[[bytes], bool]
     missing: Callable[[], bool]
 
 
 class Mailbox:
-    """Subscriptions that no executor looks after.
+    """Subscriptions and lines that no executor looks after.
 
     Attributes:
-        subscriptions: They.
+        subscriptions: Those of them that are subscriptions, read or not.
     """
 
     def __init__(self, context: Any) -> None:
@@ -46,11 +86,13 @@ class Mailbox:
         self._context = context
         self._boxes: list[_Box] = []
         self._last: _Box | None = None
-        self._waiting: Any = None
-        self._held = ExitStack()
 
     def add(
-        self, subscription: Any, receive: Callable[[bytes], bool], missing: Callable[[], bool]
+        self,
+        subscription: Any,
+        receive: Callable[[bytes], bool],
+        missing: Callable[[], bool],
+        line: Ear | None = None,
     ) -> None:
         """Looks after a subscription to serialised messages.
 
@@ -58,11 +100,11 @@ class Mailbox:
             subscription: It.
             receive: Takes a message in; returns whether it was the last one that was missing.
             missing: Whether one of its messages is waited for.
+            line: The same messages come this way: the subscription is not read, it only shows who hears whom.
         """
-        if self._waiting is not None:
-            raise RuntimeError("a subscription was added to a mailbox in use")
         self.subscriptions.append(subscription)
-        self._boxes.append(_Box(subscription.handle, subscription.msg_type, receive, missing))
+        source = line if line is not None else _Subscribed(subscription, self._context)
+        self._boxes.append(_Box(source, receive, missing))
 
     def fetch(self, seconds: float) -> bool:
         """Sleeps until something that is missing is there, then takes all that is there of what is missing.
@@ -71,36 +113,23 @@ class Mailbox:
             seconds: The longest that it sleeps [s].
 
         Returns:
-            False at once where nothing is missing.
+            False at once where nothing is missing, or only what cannot come any more.
         """
-        missing = [box for box in self._boxes if box.missing()]
+        missing = [box for box in self._boxes if box.missing() and box.source.open]
         if not missing:
             return False
         awaited = self._last if self._last in missing else missing[0]
-        waiting = self._wait_set()
-        waiting.clear_entities()
-        waiting.add_subscription(awaited.handle)
-        waiting.wait(round(seconds * NANOSECONDS))
+        awaited.source.wait(seconds)
         for box in missing:
-            while (taken := box.handle.take_message(box.message_type, True)) is not None:
-                if box.receive(taken[0]):
+            while (data := box.source.take()) is not None:
+                if box.receive(data):
                     self._last = box
                 if not box.missing():
                     break
         return True
 
-    def _wait_set(self) -> Any:
-        if self._waiting is None:
-            self._waiting = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, self._context.handle)
-            self._held.enter_context(self._waiting)
-            for box in self._boxes:
-                self._held.enter_context(box.handle)
-        return self._waiting
-
     def close(self) -> None:
-        """Lets go of the subscriptions; nothing is fetched any more."""
+        """Lets go of them; nothing is fetched any more."""
+        for box in self._boxes:
+            box.source.close()
         self._boxes.clear()
-        self._held.close()
-        if self._waiting is not None:
-            self._waiting.destroy_when_not_in_use()
-            self._waiting = None

@@ -17,6 +17,7 @@ from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_writer import EnvelopeWriter
 from follower_humanoid.ros.exhibit import Exhibit
 from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.outgoing import Outgoing
 
 if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode
@@ -70,6 +71,11 @@ class Outlet:
         if self._slow_ticks:
             self._slow = node.make_publisher(UInt8MultiArray, envelope_topic(node.wiring.name, slow=True))
         self._absent = node.make_publisher(Header, ABSENT)
+        self._lines = Outgoing(node.wiring, nodes_with(node.present))
+        # Who hears what people publish by its name too, and needs it only from others.
+        self._hear_twice = sum(
+            name in self._lines.hearers or node.shares_process(name) for name in (SIMULATOR, RECORDER)
+        )
         self._exhibit = Exhibit(node, self._writer)
         self._sent = 0
         self._heard: dict[str, Any] = {}
@@ -105,9 +111,14 @@ class Outlet:
 
     def look(self) -> None:
         """Finds out who listens."""
-        self._heard = {t: p for t, p in self._public.items() if t in PEOPLE or p.get_subscription_count()}
-        self._sealed_heard = self._sealed.get_subscription_count() > 0
-        self._slow_heard = self._slow is not None and self._slow.get_subscription_count() > 0
+        self._heard = {
+            topic: publisher
+            for topic, publisher in self._public.items()
+            if publisher.get_subscription_count() > (self._hear_twice if topic in PEOPLE else 0)
+        }
+        # Who has a line is subscribed too, but does not read.
+        self._sealed_heard = self._sealed.get_subscription_count() > self._lines.every_tick
+        self._slow_heard = self._slow is not None and self._slow.get_subscription_count() > self._lines.slow
         self._absent_heard = self._absent.get_subscription_count() > 0
         self._exhibit.look()
 
@@ -119,9 +130,11 @@ class Outlet:
         node = self._node
         stamp = tick * node.tick_ns
         samples = {topic: getattr(outputs, name) for name, topic in self._fields}
-        slow = self._slow_heard and any((tick + lag) % period == 0 for lag, period in self._slow_ticks)
-        if self._sealed_heard or slow:  # first what others wait for
+        of_slow = any((tick + lag) % period == 0 for lag, period in self._slow_ticks)
+        slow = self._slow_heard and of_slow
+        if self._sealed_heard or slow or self._lines.wanted(of_slow):  # first what others wait for
             data, places = self._writer.seal(samples, stamp)
+            self._lines.send(data, of_slow)
             if self._sealed_heard:
                 self._sealed.publish(data)
             if slow:
@@ -142,6 +155,10 @@ class Outlet:
             for topic, sample in samples.items():
                 if sample is None and topic in _READ_BY_NODES:
                     self._say_absent(topic, stamp)
+
+    def flush(self) -> bool:
+        """Sends what others had no room for; returns whether any of it is left."""
+        return self._lines.flush()
 
     def _say_absent(self, topic: str, stamp: int) -> None:
         header = Header(frame_id=topic)

@@ -12,6 +12,9 @@ LOCKSTEP = QoSProfile(
 )
 """Topics of the tick: a lost message would be a deadlock."""
 
+UNREAD = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Of a subscription that only shows who hears whom; the messages come another way."""
+
 PEOPLE = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 """What people publish: a best-effort subscription matches every publisher."""
 

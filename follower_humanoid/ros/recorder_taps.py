@@ -17,10 +17,14 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.recorder import STATE, Arrival, Recorded, Recording, recorded_topics
 from follower_humanoid.core.cdr import LARGEST_STAMP, clock_bytes
+from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic
 from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.lines import Ear, born_with
+from follower_humanoid.ros.outgoing import SENT_AT
+from follower_humanoid.ros.qos import UNREAD
 from follower_humanoid.ros.validation import MessageError
 
 if TYPE_CHECKING:
@@ -28,6 +32,10 @@ if TYPE_CHECKING:
 
 # Four seconds of the fastest topic: a disk may hesitate that long.
 _DEPTH = 2000
+_RELIABLE, _BEST_EFFORT = (
+    QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=policy)
+    for policy in (ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT)
+)
 _ENVELOPE = "std_msgs/msg/UInt8MultiArray"
 # A node of this package has an envelope; whoever publishes without one for longer is a stranger [s].
 _STRANGE_AFTER = 1.0
@@ -41,7 +49,8 @@ class _EnvelopeTap:
         envelope: Opens them.
         parts: What each message in it is; None where it is not taken from here.
         clock: The clock, which the simulator's envelopes stand for.
-        subscription: Where they come in.
+        subscription: Where they come in, if there is no line.
+        line: Where they come in.
         strange_since: When topics of the node were first seen without its envelope.
     """
 
@@ -49,6 +58,7 @@ class _EnvelopeTap:
     parts: tuple[Recorded | None, ...]
     clock: Recorded | None
     subscription: Any
+    line: Ear | None
     strange_since: float | None = field(default=None)
 
     @property
@@ -103,8 +113,10 @@ class RecorderTaps:
                 del waiting[heard]
             with_clock = name == SIMULATOR and not comes_by_itself(self._node, CLOCK)
             clock = waiting.pop(CLOCK) if with_clock else None
-            subscription = self._subscribe(_ENVELOPE, envelope_topic(name), True)
-            self._envelopes.append(_EnvelopeTap(envelope, parts, clock, subscription))
+            line = born_with().ears.get((name, RECORDER))
+            qos = _RELIABLE if line is None else UNREAD
+            subscription = self._subscribe(_ENVELOPE, envelope_topic(name), qos)
+            self._envelopes.append(_EnvelopeTap(envelope, parts, clock, subscription, line))
         for topic in waiting.values():
             self._listen(topic)
 
@@ -128,7 +140,8 @@ class RecorderTaps:
                 if topic.name not in PEOPLE or self._copies.is_new(topic.name, data, sealed=False):
                     recording.take(Arrival(topic, data, received, published))
         for tap in self._envelopes:
-            for data, received, published in _queue(tap.subscription):
+            arrivals = _queue(tap.subscription) if tap.line is None else _heard(tap.line)
+            for data, received, published in arrivals:
                 try:
                     stamp, messages = tap.envelope.open(data)
                     if not 0 <= stamp <= LARGEST_STAMP:
@@ -185,15 +198,21 @@ class RecorderTaps:
     def _listen(self, topic: Recorded) -> None:
         if topic.name not in self._by_name:
             # Reliable for what our own nodes send; best effort hears every publisher.
-            subscription = self._subscribe(topic.type_name, topic.name, topic.lockstepped)
+            qos = _RELIABLE if topic.lockstepped else _BEST_EFFORT
+            subscription = self._subscribe(topic.type_name, topic.name, qos)
             self._by_name[topic.name] = topic, subscription
 
-    def _subscribe(self, type_name: str, topic: str, reliable: bool) -> Any:
-        policy = ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
-        qos = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=policy)
+    def _subscribe(self, type_name: str, topic: str, qos: QoSProfile) -> Any:
         package, _, name = type_name.partition("/msg/")
         message_type = getattr(importlib.import_module(f"{package}.msg"), name)
         return self._node.create_subscription(message_type, topic, lambda _: None, qos, raw=True)
+
+
+def _heard(line: Ear) -> Iterator[tuple[bytes, int, int]]:
+    """The same from a line, which takes no time worth telling."""
+    while (data := line.take()) is not None:
+        (at,) = SENT_AT.unpack_from(data)
+        yield data[SENT_AT.size :], at, at
 
 
 def _queue(subscription: Any) -> Iterator[tuple[bytes, int, int]]:

@@ -30,7 +30,7 @@ from follower_humanoid.ros.transport import asked_to_be_open, choose_network
 
 PARENT = "FOLLOWER_HUMANOID_PARENT"
 _PR_SET_PDEATHSIG = 1
-_TURN = 0.005  # wall time for which steps within the process keep the executor waiting [s]
+_TURN = 0.01  # wall time for which steps within the process keep the executor waiting [s]
 _LONG_TURN = 0.02  # the same where a node waits for messages by itself [s]
 _LAST_WORD = 0.1  # s
 _DISMISSAL = 1.5  # s
@@ -43,7 +43,7 @@ class StopSignal:
     Attributes:
         asked: True from then on.
         asked_at: When it first did so, on the monotonic clock [s].
-        over: Completes then, or when `end` is called.
+        over: True from then on, or once `end` has been called.
         also: Called then too.
     """
 
@@ -52,15 +52,24 @@ class StopSignal:
         self.asked = False
         self.also: Callable[[], None] = lambda: None
         self.asked_at = math.inf
-        self.over: Any = Future()
+        self.over = False
+        self._awaited: Any = Future()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._ask)
 
     def end(self) -> None:
         """Wakes whoever waits for `over`."""
-        if not self.over.done():
-            self.over.set_result(None)
+        self.over = True
+        if not self._awaited.done():
+            self._awaited.set_result(None)
         self.also()
+
+    def future(self) -> Any:
+        """Completes when it is over. For one wait: an executor leaves a callback in what it waits for."""
+        self._awaited = Future()
+        if self.over:
+            self._awaited.set_result(None)
+        return self._awaited
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
@@ -165,17 +174,17 @@ def _attend(executor: Any, node: ManagedNode, stop: StopSignal) -> None:
     """Turns between the messages that the node fetches itself and all else."""
     until = time.monotonic() + _LONG_TURN
     attended = False
-    while (left := until - time.monotonic()) > 0.0 and not stop.over.done() and node.attend(left):
+    while (left := until - time.monotonic()) > 0.0 and not stop.over and node.attend(left):
         attended = True
-    if not stop.over.done():
-        executor.spin_until_future_complete(stop.over, timeout_sec=0.0 if attended else node.rest())
+    if not stop.over:
+        executor.spin_until_future_complete(stop.future(), timeout_sec=0.0 if attended else node.rest())
 
 
 def _share_time(executor: Any, bus: Bus, stop: StopSignal) -> None:
     """Turns between the nodes' steps and what arrives from outside: messages, services, timers."""
     if bus.work(_TURN):
         executor.spin_until_future_complete(Future(), timeout_sec=0.0)
-    elif not stop.over.done():
+    elif not stop.over:
         executor.spin_until_future_complete(bus.called, timeout_sec=REST)
 
 
