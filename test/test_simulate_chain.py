@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 
 from follower_humanoid.core.topics import READERS, TOPICS
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
-from follower_humanoid.graph.simulate import Chain, simulate
+from follower_humanoid.graph.record import RunRecorder
+from follower_humanoid.graph.simulate import TICK, Chain, simulate
 from follower_humanoid.graph.wiring import NODES, PRODUCER, SIMULATOR, WIRING, node_wiring, used_tick
 
 every_node = pytest.mark.parametrize("node", WIRING, ids=lambda node: node.name)
@@ -184,3 +186,38 @@ def test_bad_parameters_are_refused_before_anything_runs() -> None:
 def test_a_fall_ends_the_run() -> None:
     run = simulate("none", 1.5, {"leg_controller": {"motor.voltage_limit": 1.0}})
     assert run.duration < 1.4
+
+
+class _Forgetful(RunRecorder):
+    """Records nothing."""
+
+    def __init__(self) -> None:
+        super().__init__(TICK, (), "")
+
+    def add(self, topic: str, tick: int, sample: Any) -> None:
+        """Lets it go."""
+
+
+class _Sample:
+    """Something whose end can be seen."""
+
+
+def test_samples_that_are_published_on_change_are_let_go_like_all_others() -> None:
+    alive: list[weakref.ref[_Sample]] = []
+
+    def now_and_then(topic: str, tick: int, sample: Any) -> Any:
+        if topic != "footsteps":  # nobody reads them
+            return sample
+        if tick % 10:
+            return None
+        made = _Sample()
+        alive.append(weakref.ref(made))
+        return made
+
+    chain = Chain(without=("leader",), interference=now_and_then)
+    chain.recorder = _Forgetful()
+    for _ in range(45):
+        chain.advance()
+    chain.close()
+    assert len(alive) == 5
+    assert not any(sample() for sample in alive)

@@ -138,10 +138,10 @@ class Chain:
             sample = getattr(outputs, name)
             if self._interference is not None:
                 sample = self._interference(topic, tick, sample)
+            samples.pop(no_longer_used, None)
             if sample is None:
                 continue
             samples[tick] = sample
-            samples.pop(no_longer_used, None)
             self.recorder.add(topic, tick, sample)
 
 
