@@ -77,7 +77,7 @@ def test_what_is_published_on_change_stays_to_be_seen():
     said = [samples(rng, () if tick == 1 else ("footsteps",)) for tick in range(2 * EVERY + 1)]
     for tick, sample in enumerate(said):
         shown.show(sample, tick, tick)
-    assert len(shelf.messages) == 3  # ticks 0, 5, 10
+    assert len(shelf.messages) == 3  # at the beginning, and twice after EVERY ticks
     topics = tuple(WIRING.outputs.values())
     read = EnvelopeReader(Envelope(WIRING), {topic: CODECS[topic] for topic in topics})
     last = dict(zip(topics, read.read(shelf.messages[-1]), strict=True))

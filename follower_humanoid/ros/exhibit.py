@@ -17,7 +17,7 @@ from follower_humanoid.ros.envelope_writer import EnvelopeWriter
 if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode
 
-EVERY = 5  # ticks
+EVERY = 10  # ticks: as often as a page is drawn anew, at 0.6 of real time
 
 
 class Exhibit:
