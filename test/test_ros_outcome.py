@@ -71,7 +71,7 @@ def test_status_and_words(case):
 def test_a_signal_shortens_a_stop_that_has_begun():
     crew = Crew({})
     stubborn = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); time.sleep(60)"
-    crew.start("stubborn", [sys.executable, "-c", stubborn], ())
+    crew.members.append(Member("stubborn", (), subprocess.Popen([sys.executable, "-c", stubborn])))
     time.sleep(1.0)
     begin = time.monotonic()
     crew.stop(lambda: begin + (0.6 if time.monotonic() > begin + 0.3 else 60.0), time.sleep)
@@ -90,7 +90,7 @@ def test_a_writer_is_waited_for_while_it_gets_anything_done(work, status):
         f"while {work}: pass\n"
         "sys.exit(7)"
     )
-    crew.start("recorder", [sys.executable, "-c", words], ())
+    crew.members.append(Member("recorder", (), subprocess.Popen([sys.executable, "-c", words])))
     time.sleep(1.0)
     begin = time.monotonic()
     crew.stop(lambda: begin + 0.1, time.sleep, last="recorder")

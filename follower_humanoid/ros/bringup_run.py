@@ -19,7 +19,6 @@ from follower_humanoid.compile import import_components
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
-from follower_humanoid.resources import node_command
 from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
 from follower_humanoid.ros.lines import lay, line_pairs
@@ -83,9 +82,6 @@ class BringupRun:
             plan.parameters[RECORDER]["about"] = str(about)
         self._parameter_file.write_text(plan.parameter_file(director.namespace), encoding="utf-8")
         self._crew.begin()
-        if plan.options.view:
-            words = [*arguments, "--params-file", str(self._parameter_file)]
-            self._crew.start(VIEWER, [*node_command(VIEWER), *words], (), vital=False)
         end = self._lead_to_activity()
         self._active_since = time.monotonic()
         while end is None:
@@ -113,6 +109,8 @@ class BringupRun:
                 self._crew.fork(name, arguments, (name,))
         if plan.options.bag:
             self._crew.fork(RECORDER, arguments, (RECORDER,))
+        if plan.options.view:
+            self._crew.fork(VIEWER, arguments, (), aside=True)
         lines.keep(())
 
     def _lead_to_activity(self) -> End | None:

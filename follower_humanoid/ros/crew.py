@@ -18,6 +18,7 @@ from follower_humanoid.ros.lines import born_with
 from follower_humanoid.ros.spin import PARENT
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
+_ASIDE = 10  # niceness of who only looks on
 _BUSY = 0.5  # wall time in which it must get anything done [s]
 
 
@@ -47,32 +48,27 @@ class Crew:
         self._environment = {PARENT: str(os.getpid()), **environment}
         self._gate = Gate()
 
-    def start(self, name: str, command: Sequence[str], nodes: tuple[str, ...], vital: bool = True) -> None:
-        """Starts one process, in a session of its own: Ctrl-C reaches bringup alone, which ends the others.
+    def fork(self, name: str, args: Sequence[str], nodes: tuple[str, ...], aside: bool = False) -> None:
+        """Starts one executable of the package with all that is imported already; it waits for `begin`.
 
-        What it prints to stdout is dropped: nodes log to stderr, and stdout is bringup's.
+        Args:
+            name: Of the executable.
+            args: Its arguments.
+            nodes: Nodes in it.
+            aside: It only looks on: the run goes on without it, and whoever works goes first.
         """
-        process = subprocess.Popen(
-            list(command),
-            env={**os.environ, **self._environment},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        self.members.append(Member(name, nodes, process, vital))
-
-    def fork(self, name: str, args: Sequence[str], nodes: tuple[str, ...]) -> None:
-        """Starts one executable of the package with all that is imported already; it waits for `begin`."""
         main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
         gc.freeze()  # pages that no collection touches stay shared
         command = [*node_command(name), *args]
 
         def live() -> int:
             born_with().keep(nodes)
+            if aside:
+                os.nice(_ASIDE)
             return int(main(list(args)))
 
         process = Forked(command, live, self._environment, self._gate)
-        self.members.append(Member(name, nodes, process))
+        self.members.append(Member(name, nodes, process, vital=not aside))
 
     def begin(self) -> None:
         """Lets the forked ones go on."""
