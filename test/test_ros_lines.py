@@ -6,15 +6,21 @@ import pytest
 
 from follower_humanoid.graph.graph_config import LEADER, RECORDER
 from follower_humanoid.graph.wiring import NODES, SIMULATOR
-from follower_humanoid.ros.lines import _DEPTH, Lines, line_pairs
+from follower_humanoid.ros.lines import DEPTH, LARGEST, RECORDER_DEPTH, Lines, line_pairs
 
 PAIR = ("one", "two")
 LARGE = 4096
 
 
+def laid(*pairs):
+    lines = Lines()
+    lines.lay(pairs)
+    return lines
+
+
 @pytest.fixture
 def line():
-    lines = Lines([PAIR])
+    lines = laid(PAIR)
     yield lines.mouths[PAIR], lines.ears[PAIR]
     lines.keep(())
 
@@ -44,26 +50,27 @@ def test_messages_arrive_whole_and_in_order(line):
 
 def test_who_does_not_listen_for_a_while_misses_nothing(line):
     mouth, ear = line
-    for number in range(_DEPTH // 2):
+    for number in range(DEPTH // 2):
         mouth.send(message(number))
     assert mouth.flush()  # something is left: the system has not so much room
     numbers = []
     while mouth.flush():
         numbers += heard(ear)
-    mouth.send(message(_DEPTH // 2))
-    assert numbers + heard(ear) == list(range(_DEPTH // 2 + 1))
+    mouth.send(message(DEPTH // 2))
+    assert numbers + heard(ear) == list(range(DEPTH // 2 + 1))
 
 
 def test_who_does_not_listen_for_long_misses_the_oldest_of_what_was_kept(line):
     mouth, ear = line
-    for number in range(3 * _DEPTH):
+    for number in range(3 * DEPTH):
         mouth.send(message(number))
     numbers = heard(ear)
     while mouth.flush():
         numbers += heard(ear)
     numbers += heard(ear)
     assert numbers == sorted(numbers)
-    assert numbers[-_DEPTH:] == list(range(2 * _DEPTH, 3 * _DEPTH))
+    assert numbers[-DEPTH:] == list(range(2 * DEPTH, 3 * DEPTH))
+    assert mouth.lost == 3 * DEPTH - len(numbers) > 0
 
 
 def test_both_ends_learn_that_the_other_is_gone(line):
@@ -76,7 +83,7 @@ def test_both_ends_learn_that_the_other_is_gone(line):
     mouth.send(message(8))
     assert not mouth.flush()
 
-    lines = Lines([PAIR])
+    lines = laid(PAIR)
     lines.keep(["one"])  # as in a process where "two" is not
     assert lines.ears == {}
     mouth = lines.mouths[PAIR]
@@ -86,12 +93,43 @@ def test_both_ends_learn_that_the_other_is_gone(line):
     assert not mouth.flush()
 
 
+def test_what_the_other_end_could_not_take_in_is_refused(line):
+    mouth, ear = line
+    mouth.send(bytes(LARGEST))
+    assert len(ear.take()) == LARGEST
+    with pytest.raises(ValueError, match="valid: up to"):
+        mouth.send(bytes(LARGEST + 1))
+    assert mouth.open
+
+
+def test_nobody_keeps_messages_for_ears_that_will_not_listen():
+    lines = laid(("a", "c"), ("b", "c"))
+    lines.hear_only("c", ["a"])
+    lines.mouths["b", "c"].send(b"this")
+    lines.mouths["a", "c"].send(b"that")
+    assert lines.ear_of("c", "b") is None
+    assert not lines.mouths["b", "c"].open
+    assert lines.ear_of("c", "a").take() == b"that"
+    lines.keep(())
+
+
+def test_a_recorder_may_hesitate_longer():
+    lines = laid(("a", "b"), ("a", RECORDER))
+    lost = []
+    for mouth in lines.mouths.values():
+        for number in range(RECORDER_DEPTH):
+            mouth.send(message(number))
+        lost.append(mouth.lost > 0)
+    assert lost == [True, False]
+    lines.keep(())
+
+
 def test_a_process_keeps_the_ends_of_its_own_nodes():
-    lines = Lines([("a", "b"), ("b", "a"), ("b", "c")])
+    lines = laid(("a", "b"), ("b", "a"), ("b", "c"))
     lines.keep(["b"])
     assert set(lines.mouths) == {("b", "a"), ("b", "c")}
     assert set(lines.ears) == {("a", "b")}
-    assert set(lines.hearers_of("b")) == {"a", "c"}
+    assert set(lines.mouths_of("b")) == {"a", "c"}
     lines.keep(())
 
 

@@ -101,11 +101,12 @@ def test_it_sleeps_no_longer_than_it_may_and_not_at_all_where_nothing_is_missing
 
 
 def test_what_comes_by_a_line_is_not_read_from_the_topic_too(node):
-    lines = Lines([("there", "here")])
+    lines = Lines()
+    lines.lay([("there", "here")])
     mouth, ear = lines.mouths["there", "here"], lines.ears["there", "here"]
     received = []
     subscription = node.create_subscription(Header, "one", lambda _: None, LOCKSTEP, raw=True)
-    node.mailbox.add(subscription, lambda data: not received.append(data), lambda: True, ear)
+    node.mailbox.add_line(ear, subscription, lambda data: not received.append(data), lambda: True)
     publisher = node.create_publisher(Header, "one", LOCKSTEP)
     until = time.monotonic() + PATIENCE
     while publisher.get_subscription_count() == 0:

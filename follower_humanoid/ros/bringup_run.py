@@ -21,7 +21,7 @@ from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
-from follower_humanoid.ros.lines import lay, line_pairs
+from follower_humanoid.ros.lines import BORN_WITH, line_pairs
 from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
 from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.spin import StopSignal, start_ros
@@ -101,7 +101,7 @@ class BringupRun:
     def _fork_nodes(self, arguments: list[str]) -> None:
         """Before ROS runs in this process; they wait for their parameters."""
         plan = self._plan
-        lines = lay(line_pairs(plan.nodes, plan.options.composed, plan.options.bag is not None))
+        BORN_WITH.lay(line_pairs(plan.nodes, plan.options.composed, plan.options.bag is not None))
         if plan.options.composed:
             self._crew.fork(COMPOSED, ["--nodes", ",".join(plan.nodes), *arguments], plan.nodes)
         else:
@@ -111,7 +111,7 @@ class BringupRun:
             self._crew.fork(RECORDER, arguments, (RECORDER,))
         if plan.options.view:
             self._crew.fork(VIEWER, arguments, (), aside=True)
-        lines.keep(())
+        BORN_WITH.keep(())
 
     def _lead_to_activity(self) -> End | None:
         """Configures and activates everyone, the simulator last; returns an end that came too early.

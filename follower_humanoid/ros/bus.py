@@ -19,11 +19,7 @@ Accept = Callable[[str, int, Mapping[str, Any], Mapping[str, bytes]], bool]
 
 
 class Bus:
-    """The nodes of one process.
-
-    Attributes:
-        called: Completes when there is work; a fresh one after each `work`.
-    """
+    """The nodes of one process."""
 
     def __init__(self, names: Collection[str]) -> None:
         """Args: the nodes that will join."""
@@ -32,7 +28,7 @@ class Bus:
         self._hearers: dict[str, dict[str, tuple[Accept, Callable[[], None]]]] = {}
         self._ready: deque[Callable[[], None]] = deque()
         self._working = False
-        self.called: Any = Future()
+        self._called: Any = Future()
 
     def join(self, name: str, accept: Accept, step: Callable[[], None]) -> None:
         """Adds a node: what takes samples in, and what steps when all are there."""
@@ -58,8 +54,15 @@ class Bus:
 
     def call(self) -> None:
         """Says that there is something to look after."""
-        if not self.called.done():
-            self.called.set_result(None)
+        if not self._called.done():
+            self._called.set_result(None)
+
+    def future(self) -> Any:
+        """Completes when there is work. For one wait: an executor leaves a callback in what it waits for."""
+        self._called = Future()
+        if self._ready:
+            self._called.set_result(None)
+        return self._called
 
     def work(self, seconds: float) -> bool:
         """Takes steps for a while; returns whether there are more."""
@@ -72,6 +75,4 @@ class Bus:
                     break
         finally:
             self._working = False
-        if not self._ready and self.called.done():
-            self.called = Future()
         return bool(self._ready)

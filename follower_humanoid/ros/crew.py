@@ -14,7 +14,7 @@ from pathlib import Path
 
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.forked import Forked, Gate
-from follower_humanoid.ros.lines import born_with
+from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.spin import PARENT
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
@@ -62,7 +62,7 @@ class Crew:
         command = [*node_command(name), *args]
 
         def live() -> int:
-            born_with().keep(nodes)
+            BORN_WITH.keep(nodes)
             if aside:
                 os.nice(_ASIDE)
             return int(main(list(args)))
@@ -87,6 +87,8 @@ class Crew:
             last: Ends after all others, so that it hears their last words.
         """
         begin = time.monotonic()
+        for member in self.members:  # one that was halted keeps the last words of all others waiting
+            member.process.send_signal(signal.SIGCONT)
         others = [m for m in self.members if m.name != last]
         self._ask(others)
         self._wait(others, lambda: 0.5 * (begin + deadline()), idle)

@@ -1,10 +1,11 @@
 """The envelope: all that a node publishes in a tick, in one message.
 
 A delivery between processes costs about the same for 100 bytes as for 5000, so nodes hand one another
-what belongs together in one piece. In it are the very bytes of the public messages. It travels as
-std_msgs/UInt8MultiArray on `graph/NODE`, and for nodes with a longer period, which leave most ticks
-unread, at the ticks that they use also on `graph/NODE/slow`. While an observer listens, the newest message of
-every topic goes out some times a second on `graph/NODE/seen`. Its data, little-endian:
+what belongs together in one piece. In it are the very bytes of the public messages. It travels by `lines`
+between processes of one bringup, to all others as std_msgs/UInt8MultiArray on `graph/NODE`, and for nodes
+with a longer period, which leave most ticks unread, at the ticks that they use also on `graph/NODE/slow`.
+While an observer listens, the newest message of every topic goes out some times a second on
+`graph/NODE/seen`. Its data, little-endian:
 
     int64   stamp [ns]
     uint32  length of each message, in the order of the node's outputs; 0: not published at this tick
@@ -52,6 +53,7 @@ class Envelope:
     """Packs and unpacks the envelopes of one node.
 
     Attributes:
+        node: Whose.
         topics: What is in it, in order.
         name: Topic that the envelopes travel on.
         contents: Where the first message begins.
@@ -59,6 +61,7 @@ class Envelope:
 
     def __init__(self, node: NodeWiring) -> None:
         """Args: whose envelopes."""
+        self.node = node.name
         self.topics = tuple(node.outputs.values())
         self.name = envelope_topic(node.name)
         self._lengths = struct.Struct(f"<{len(self.topics)}I")

@@ -17,7 +17,7 @@ from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_reader import EnvelopeReader
 from follower_humanoid.ros.formats import PEOPLE
-from follower_humanoid.ros.lines import born_with
+from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.mailbox import Mailbox
 from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.qos import LOCKSTEP, UNREAD
@@ -75,12 +75,16 @@ class Inlet:
             reader = EnvelopeReader(Envelope(table[producer]), {t: codecs[t] for t in topics if t != CLOCK})
             topic = envelope_topic(producer, hears_slow(node.wiring, table[producer]))
             deliver = partial(self._deliver, reader, topics)
-            line = born_with().ears.get((producer, node.wiring.name))
+            line = BORN_WITH.ear_of(node.wiring.name, producer)
             qos = LOCKSTEP if line is None else UNREAD
             subscription = node.make_subscription(UInt8MultiArray, topic, deliver, qos)
-            if node.bus is None:  # several nodes in one process must not wait for one another's messages
-                receive = partial(self._receive_envelope, reader, topics)
-                self.mailbox.add(subscription, receive, partial(node.lock.waits_for, topics[0]), line)
+            receive = partial(self._receive_envelope, reader, topics)
+            missing = partial(node.lock.waits_for, topics[0])
+            if line is not None:
+                self.mailbox.add_line(line, subscription, receive, missing)
+            elif node.bus is None:  # several nodes in one process must not wait for one another's messages
+                self.mailbox.add(subscription, receive, missing)
+        BORN_WITH.hear_only(node.wiring.name, self._by_envelope)
         for topic in self._by_topic:
             if topic == CLOCK:
                 node.make_subscription(Clock, CLOCK, self._receive_clock)

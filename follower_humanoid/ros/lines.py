@@ -8,6 +8,7 @@ the same bringup hears the same bytes from the topics.
 
 from __future__ import annotations
 
+import errno
 import select
 import socket
 from collections import deque
@@ -17,9 +18,12 @@ from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.lockstep import hears_clock
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, nodes_with
 
-_DEPTH = 1000  # as deep as the queues of the topics
-_LARGEST = 1 << 17  # bytes of one message
-_HANGS_UP = select.POLLHUP | select.POLLERR | select.POLLNVAL
+# Messages that wait for one who does not listen; the system itself keeps some 25 envelopes more. As many
+# as on a topic; for the recorder four seconds of the fastest: a disk may hesitate that long.
+DEPTH, RECORDER_DEPTH = 1000, 2000
+LARGEST = 1 << 17  # bytes of one message
+_GONE = (errno.EPIPE, errno.ECONNRESET, errno.ENOTCONN)
+_NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)
 
 
 class Mouth:
@@ -27,36 +31,45 @@ class Mouth:
 
     Attributes:
         open: False once the other one is gone.
+        lost: Messages that the other one will never get, since it did not listen for too long.
     """
 
-    def __init__(self, end: socket.socket) -> None:
-        """Args: its end of the pair."""
+    def __init__(self, end: socket.socket, depth: int = DEPTH) -> None:
+        """Args: its end of the pair, and how many messages wait."""
         end.setblocking(False)
         self._end = end
-        self._late: deque[bytes] = deque(maxlen=_DEPTH)
+        self._late: deque[bytes] = deque(maxlen=depth)
         self.open = True
+        self.lost = 0
 
     def send(self, data: bytes) -> None:
-        """Sends a message, or keeps it for later where the other one does not listen now."""
-        if self._late:
-            self._late.append(data)
-            self.flush()
-        elif self.open and not self._push(data):
+        """Sends a message, or keeps it for later where the other one does not listen now.
+
+        Raises:
+            ValueError: Too large; the other one could not take it in.
+        """
+        if len(data) > LARGEST:
+            raise ValueError(f"a message of {len(data)} bytes: valid: up to {LARGEST}")
+        if self.open and (self.flush() or not self._push(data)):
+            self.lost += len(self._late) == self._late.maxlen
             self._late.append(data)
 
-    def flush(self) -> bool:
-        """Sends what was kept, as far as it goes; returns whether any of it is left."""
+    def flush(self) -> int:
+        """Sends what was kept, as far as it goes; returns how many messages are left."""
         while self._late and self._push(self._late[0]):
             if self._late:  # unless the other one is gone
                 self._late.popleft()
-        return bool(self._late)
+        return len(self._late)
 
     def _push(self, data: bytes) -> bool:
+        """False where there is no room; who is gone misses nothing."""
         try:
             self._end.send(data)
-        except BlockingIOError:
-            return False
-        except OSError:  # the process is gone: bringup looks after that
+        except OSError as error:
+            if error.errno in _NO_ROOM:
+                return False
+            if error.errno not in _GONE:
+                raise
             self.close()
         return True
 
@@ -84,15 +97,18 @@ class Ear:
 
     def wait(self, seconds: float) -> None:
         """Sleeps until there is a message, or the other one is gone."""
-        self._poll.poll(1e3 * seconds)
+        if self.open:
+            self._poll.poll(1e3 * seconds)
 
     def take(self) -> bytes | None:
         """The next message; None where there is none now."""
+        if not self.open:
+            return None
         try:
-            data = self._end.recv(_LARGEST)
+            data = self._end.recv(LARGEST)
         except BlockingIOError:
             return None
-        except OSError:
+        except ConnectionError:
             data = b""
         if not data:
             self.close()
@@ -114,13 +130,17 @@ class Lines:
         mouths, ears: By the nodes at both ends: who sends, who hears.
     """
 
-    def __init__(self, pairs: Iterable[tuple[str, str]] = ()) -> None:
-        """Lays them. Args: who sends to whom, by names of nodes."""
+    def __init__(self) -> None:
+        """None yet."""
         self.mouths: dict[tuple[str, str], Mouth] = {}
         self.ears: dict[tuple[str, str], Ear] = {}
+
+    def lay(self, pairs: Iterable[tuple[str, str]]) -> None:
+        """Lays them, for every process that is forked from now on. Args: who sends to whom."""
         for pair in pairs:
             sending, hearing = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-            self.mouths[pair], self.ears[pair] = Mouth(sending), Ear(hearing)
+            self.mouths[pair] = Mouth(sending, RECORDER_DEPTH if pair[1] == RECORDER else DEPTH)
+            self.ears[pair] = Ear(hearing)
 
     def keep(self, names: Collection[str]) -> None:
         """Lets go of all ends but those of the given nodes: only so does a hearer learn of an end."""
@@ -129,9 +149,24 @@ class Lines:
         for pair in [pair for pair in self.ears if pair[1] not in names]:
             self.ears.pop(pair).close()
 
-    def hearers_of(self, name: str) -> dict[str, Mouth]:
+    def mouths_of(self, name: str) -> dict[str, Mouth]:
         """Whom a node can reach, and where."""
         return {hearer: mouth for (sender, hearer), mouth in self.mouths.items() if sender == name}
+
+    def ear_of(self, name: str, sender: str) -> Ear | None:
+        """Where a node hears another; None where it does not."""
+        ear = self.ears.get((sender, name))
+        return ear if ear is not None and ear.open else None
+
+    def hear_only(self, name: str, senders: Collection[str]) -> None:
+        """Closes the ears of a node for all others: nobody keeps messages for who will not listen."""
+        for sender, hearer in self.ears:
+            if hearer == name and sender not in senders:
+                self.ears[sender, hearer].close()
+
+
+BORN_WITH = Lines()
+"""The lines of this process: none where bringup did not fork it."""
 
 
 def line_pairs(nodes: Collection[str], composed: bool, recorded: bool) -> list[tuple[str, str]]:
@@ -149,18 +184,3 @@ def line_pairs(nodes: Collection[str], composed: bool, recorded: bool) -> list[t
             senders.add(SIMULATOR)
         pairs += [(sender, hearer) for sender in nodes if sender in senders and not composed]
     return pairs + [(sender, RECORDER) for sender in nodes if recorded]
-
-
-class _Birth:
-    lines = Lines()
-
-
-def lay(pairs: Iterable[tuple[str, str]]) -> Lines:
-    """Lays the lines that every process forked from now on is born with."""
-    _Birth.lines = Lines(pairs)
-    return _Birth.lines
-
-
-def born_with() -> Lines:
-    """The lines of this process: none where bringup did not fork it."""
-    return _Birth.lines

@@ -24,14 +24,12 @@ from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.shared_robot import shared_robot
+from follower_humanoid.ros.starting import Starting
 from follower_humanoid.ros.toll import Toll
 from follower_humanoid.ros.validation import MessageError
 from follower_humanoid.ros.watchdog import Watchdog
 
-_BARRIER_POLL = 0.02
-_TELL_EVERY = 5.0
 _SHORT_REST = 0.001
-_LONGEST_FLUSH = 0.5
 
 
 class LockStepNode(ManagedNode):
@@ -47,6 +45,7 @@ class LockStepNode(ManagedNode):
         idle: Deactivated while the others go on.
         away: Left behind by the others, and not in step with them again.
         attendance: Who else has left.
+        starting: Where it waits for the others before its first step.
     """
 
     def __init__(self, wiring: NodeWiring, bus: Bus | None = None, **options: Any) -> None:
@@ -79,13 +78,10 @@ class LockStepNode(ManagedNode):
         self.reset_at: int | None = None
         self.outlet: Outlet
         self.codecs: dict[str, Codec] = {}
-        self._barrier: Barrier | None = None
         self._toll = Toll()
-        self._told_at = time.monotonic()
         self._announcer = Announcer(self)
         self.attendance = Attendance(self, self._goes_on_without, self.reject)
-        self._barrier_timer = self.make_timer(_BARRIER_POLL, self._look_at_barrier)
-        self._barrier_timer.cancel()
+        self.starting = Starting(self)
         self._watchdog = Watchdog(self)
 
     def _make_lock(self) -> LockStep:
@@ -127,9 +123,9 @@ class LockStepNode(ManagedNode):
         """Makes the component, and at the first time the endpoints."""
         robot = shared_robot(self.graph.urdf)
         self.component = self.wiring.make(self.config, robot, self.graph.tick)
-        if self._barrier is not None:
+        if self.starting.barrier is not None:
             return
-        self._barrier = barrier = Barrier(self, self.present)
+        self.starting.barrier = barrier = Barrier(self, self.present)
         self.codecs = {
             topic: Codec(topic, robot)
             for topic in (*self.wiring.inputs.values(), *self.wiring.outputs.values())
@@ -144,17 +140,16 @@ class LockStepNode(ManagedNode):
 
     def start(self) -> None:
         """Looks for the others; the work begins when all are found."""
-        self._told_at = time.monotonic()
         self._watchdog.calm()
         self.idle = False
         if self.started:
             self.run_ready_steps()
         else:
-            self._barrier_timer.reset()
+            self.starting.begin()
 
     def stop(self) -> None:
         """Keeps step with the others, but says at each tick that it has nothing to say."""
-        self._barrier_timer.cancel()
+        self.starting.hold()
         self.idle = self.started
         self.run_ready_steps()
 
@@ -255,26 +250,19 @@ class LockStepNode(ManagedNode):
         """Publishes every output that is there, and says of the others that they are not."""
         self.outlet.send(outputs, tick)
 
-    # Start barrier and watchdog.
+    # Start and watchdog.
 
-    def _look_at_barrier(self) -> None:
-        waiting = self._barrier.waiting_for() if self._barrier is not None else []
-        waiting = waiting or self.still_waiting_for()
-        now = time.monotonic()
-        if not waiting:
-            self._barrier_timer.cancel()
-            self.started = True
-            self._watchdog.calm()
-            self.outlet.look()
-            if self._adjusted is not None:
-                self._adjusted.tell()
-            self._toll.begin()
-            self._announcer.announce()
-            self.barrier_passed()
-            self.run_ready_steps()
-        elif now - self._told_at > _TELL_EVERY:
-            self._told_at = now
-            self.logger.info(f"waiting for {'; '.join(waiting)}")
+    def all_found(self) -> None:
+        """Every message will arrive: the work begins."""
+        self.started = True
+        self._watchdog.calm()
+        self.outlet.look()
+        if self._adjusted is not None:
+            self._adjusted.tell()
+        self._toll.begin()
+        self._announcer.announce()
+        self.barrier_passed()
+        self.run_ready_steps()
 
     def catch_up(self) -> None:
         """The others have gone on without this node, further than it can follow: it joins them again."""
@@ -292,18 +280,15 @@ class LockStepNode(ManagedNode):
         """Steps taken so far."""
         return self._toll.steps
 
+    def flush(self) -> int:
+        """Sends what others had no room for."""
+        return self.outlet.flush() if hasattr(self, "outlet") else 0
+
     def finish(self) -> None:
         """Takes no further step."""
         self.idle = False
-        self.send_what_is_late(_LONGEST_FLUSH)
         self.inlet.mailbox.close()
         super().finish()
-
-    def send_what_is_late(self, seconds: float = 0.0) -> None:
-        """Sends what others had no room for before; tries for so long [s]."""
-        until = time.monotonic() + seconds
-        while hasattr(self, "outlet") and self.outlet.flush() and time.monotonic() < until:
-            time.sleep(_SHORT_REST)
 
     def _reconfigure(self, config: Any, changed: list[Parameter]) -> None:
         self.config = config
@@ -327,6 +312,7 @@ class LockStepNode(ManagedNode):
             "wrong_ticks": self.lock.strange,
             "stale_inputs": self.lock.stale,
             "rejected_messages": self.rejected,
+            "lost_messages": self.outlet.lost if hasattr(self, "outlet") else 0,
         }
         if self.running and not self.started:
             values["warning"] = "waiting for the other nodes"

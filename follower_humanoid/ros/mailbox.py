@@ -88,11 +88,7 @@ class Mailbox:
         self._last: _Box | None = None
 
     def add(
-        self,
-        subscription: Any,
-        receive: Callable[[bytes], bool],
-        missing: Callable[[], bool],
-        line: Ear | None = None,
+        self, subscription: Any, receive: Callable[[bytes], bool], missing: Callable[[], bool]
     ) -> None:
         """Looks after a subscription to serialised messages.
 
@@ -100,11 +96,22 @@ class Mailbox:
             subscription: It.
             receive: Takes a message in; returns whether it was the last one that was missing.
             missing: Whether one of its messages is waited for.
-            line: The same messages come this way: the subscription is not read, it only shows who hears whom.
         """
         self.subscriptions.append(subscription)
-        source = line if line is not None else _Subscribed(subscription, self._context)
-        self._boxes.append(_Box(source, receive, missing))
+        self._boxes.append(_Box(_Subscribed(subscription, self._context), receive, missing))
+
+    def add_line(
+        self, line: Ear, unread: Any, receive: Callable[[bytes], bool], missing: Callable[[], bool]
+    ) -> None:
+        """Looks after a line.
+
+        Args:
+            line: It.
+            unread: The subscription whose messages come this way; it only shows who hears whom.
+            receive, missing: See `add`.
+        """
+        self.subscriptions.append(unread)
+        self._boxes.append(_Box(line, receive, missing))
 
     def fetch(self, seconds: float) -> bool:
         """Sleeps until something that is missing is there, then takes all that is there of what is missing.

@@ -133,6 +133,10 @@ class ManagedNode(LifecycleNode):
         """How long the executor may have when the node has nothing to attend to [s]."""
         return REST
 
+    def flush(self) -> int:
+        """Sends what others had no room for; returns how many messages are left."""
+        return 0
+
     def finish(self) -> None:
         """Last diagnostics before the node goes."""
         self.running = False

@@ -9,33 +9,30 @@ from collections.abc import Mapping
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import NodeWiring
 from follower_humanoid.ros.envelope import hears_slow
-from follower_humanoid.ros.lines import born_with
+from follower_humanoid.ros.lines import BORN_WITH
 
 SENT_AT = struct.Struct("<q")
 """Before an envelope for the recorder: when it was sent, since the epoch [ns]."""
 
 
 class Outgoing:
-    """Whom a node reaches by a line.
-
-    Attributes:
-        hearers: Names of them.
-        every_tick, slow: How many of them hear every tick, and how many only some.
-    """
+    """Whom a node reaches by a line."""
 
     def __init__(self, node: NodeWiring, table: Mapping[str, NodeWiring]) -> None:
         """Args: the node, and everyone by name."""
-        lines = born_with().hearers_of(node.name)
-        self.hearers = frozenset(lines)
-        self._recorder = lines.pop(RECORDER, None)
-        self._slow = [mouth for name, mouth in lines.items() if hears_slow(table[name], node)]
-        self._quick = [mouth for mouth in lines.values() if mouth not in self._slow]
-        self.slow = len(self._slow)
-        self.every_tick = len(self._quick) + (self._recorder is not None)
+        self._mouths = BORN_WITH.mouths_of(node.name)
+        nodes = {name: mouth for name, mouth in self._mouths.items() if name != RECORDER}
+        self._recorder = self._mouths.get(RECORDER)
+        self._slow = [mouth for name, mouth in nodes.items() if hears_slow(table[name], node)]
+        self._quick = [mouth for mouth in nodes.values() if mouth not in self._slow]
+
+    def hearers(self) -> frozenset[str]:
+        """Names of all who hear it now."""
+        return frozenset([name for name, mouth in self._mouths.items() if mouth.open])
 
     def wanted(self, of_slow: bool) -> bool:
         """Whether anybody hears a tick, one that slow nodes use or another."""
-        return self.every_tick > 0 or (of_slow and self.slow > 0)
+        return bool(self._quick or self._recorder is not None or (of_slow and self._slow))
 
     def send(self, envelope: bytes, of_slow: bool) -> None:
         """Sends a tick's envelope."""
@@ -47,7 +44,11 @@ class Outgoing:
         if self._recorder is not None:
             self._recorder.send(SENT_AT.pack(time.time_ns()) + envelope)
 
-    def flush(self) -> bool:
-        """Sends what others had no room for; returns whether any of it is left."""
-        mouths = [*self._quick, *self._slow, *([self._recorder] if self._recorder else [])]
-        return sum(mouth.flush() for mouth in mouths) > 0
+    def flush(self) -> int:
+        """Sends what others had no room for; returns how many messages are left."""
+        return sum(mouth.flush() for mouth in self._mouths.values())
+
+    @property
+    def lost(self) -> int:
+        """Messages that somebody did not listen to for too long to get them."""
+        return sum(mouth.lost for mouth in self._mouths.values())

@@ -17,6 +17,7 @@ from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_writer import EnvelopeWriter
 from follower_humanoid.ros.exhibit import Exhibit
 from follower_humanoid.ros.formats import PEOPLE
+from follower_humanoid.ros.listeners import Listeners
 from follower_humanoid.ros.outgoing import Outgoing
 
 if TYPE_CHECKING:
@@ -72,14 +73,18 @@ class Outlet:
             self._slow = node.make_publisher(UInt8MultiArray, envelope_topic(node.wiring.name, slow=True))
         self._absent = node.make_publisher(Header, ABSENT)
         self._lines = Outgoing(node.wiring, nodes_with(node.present))
-        # Who hears what people publish by its name too, and needs it only from others.
-        self._hear_twice = sum(
-            name in self._lines.hearers or node.shares_process(name) for name in (SIMULATOR, RECORDER)
-        )
         self._exhibit = Exhibit(node, self._writer)
         self._sent = 0
         self._heard: dict[str, Any] = {}
-        self._sealed_heard = self._slow_heard = self._absent_heard = False
+        self._absent_heard = False
+        hearers = self._lines.hearers
+        self._sealed_listeners = Listeners(node, self._sealed, hearers)
+        self._slow_listeners = None if self._slow is None else Listeners(node, self._slow, hearers)
+        # What people publish simulator and recorder hear by its name too, and need only from others.
+        self._listeners = {
+            topic: Listeners(node, publisher, self._kin if topic in PEOPLE else frozenset)
+            for topic, publisher in self._public.items()
+        }
 
     def watch(self, barrier: Barrier, more_ways: Mapping[str, Sequence[Any]]) -> None:
         """Tells the barrier who must be found before the first message.
@@ -111,14 +116,10 @@ class Outlet:
 
     def look(self) -> None:
         """Finds out who listens."""
-        self._heard = {
-            topic: publisher
-            for topic, publisher in self._public.items()
-            if publisher.get_subscription_count() > (self._hear_twice if topic in PEOPLE else 0)
-        }
-        # Who has a line is subscribed too, but does not read.
-        self._sealed_heard = self._sealed.get_subscription_count() > self._lines.every_tick
-        self._slow_heard = self._slow is not None and self._slow.get_subscription_count() > self._lines.slow
+        self._heard = {t: p for t, p in self._public.items() if self._listeners[t].look()}
+        self._sealed_listeners.look()
+        if self._slow_listeners is not None:
+            self._slow_listeners.look()
         self._absent_heard = self._absent.get_subscription_count() > 0
         self._exhibit.look()
 
@@ -131,11 +132,12 @@ class Outlet:
         stamp = tick * node.tick_ns
         samples = {topic: getattr(outputs, name) for name, topic in self._fields}
         of_slow = any((tick + lag) % period == 0 for lag, period in self._slow_ticks)
-        slow = self._slow_heard and of_slow
-        if self._sealed_heard or slow or self._lines.wanted(of_slow):  # first what others wait for
+        sealed = self._sealed_listeners.others
+        slow = of_slow and self._slow_listeners is not None and self._slow_listeners.others
+        if sealed or slow or self._lines.wanted(of_slow):  # first what others wait for
             data, places = self._writer.seal(samples, stamp)
             self._lines.send(data, of_slow)
-            if self._sealed_heard:
+            if sealed:
                 self._sealed.publish(data)
             if slow:
                 self._slow.publish(data)
@@ -156,9 +158,19 @@ class Outlet:
                 if sample is None and topic in _READ_BY_NODES:
                     self._say_absent(topic, stamp)
 
-    def flush(self) -> bool:
-        """Sends what others had no room for; returns whether any of it is left."""
+    def flush(self) -> int:
+        """Sends what others had no room for; returns how many messages are left."""
         return self._lines.flush()
+
+    @property
+    def lost(self) -> int:
+        """Messages that somebody did not listen to for too long to get them."""
+        return self._lines.lost
+
+    def _kin(self) -> frozenset[str]:
+        """Who of simulator and recorder gets the leader's messages without their names."""
+        hearers = self._lines.hearers()
+        return frozenset(n for n in (SIMULATOR, RECORDER) if n in hearers or self._node.shares_process(n))
 
     def _say_absent(self, topic: str, stamp: int) -> None:
         header = Header(frame_id=topic)

@@ -20,6 +20,8 @@ from follower_humanoid.ros.recorder_taps import RecorderTaps
 _LATE = 0.1  # wall time without a message after which nothing more is expected at the end [s]
 _LONGEST_END = 1.0
 _MATCH_POLL = 0.05
+# Visits in a row where more is waiting than lines hold, and the time in which they fill again [s].
+_CATCHING_UP, _REFILL = 20, 0.002
 _GONE = 2.0  # wall time without the simulator after which the run is over [s]
 
 
@@ -116,8 +118,14 @@ class RecorderNode(ManagedNode):
         if recording is None or self._taps is None or self._writer is None:
             return 0
         try:
-            self._taps.take(recording)
-            return recording.flush()
+            count = 0
+            for _ in range(_CATCHING_UP):
+                full = self._taps.take(recording)
+                count += recording.flush()
+                if not full:
+                    break
+                time.sleep(_REFILL)
+            return count
         except Exception as error:  # whatever it is: what was written so far must be kept and the user told
             self._give_up(error)
             return 0

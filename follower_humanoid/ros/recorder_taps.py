@@ -1,7 +1,8 @@
 """What the recorder listens to: the envelopes of the graph's nodes, everything else by its name.
 
-The subscriptions are not spun: their queues are emptied on a visit. That costs less than callbacks, and
-a message then brings the times at which it was sent and received.
+Envelopes come by lines where recorder and node are of one bringup, else by a subscription. Neither is
+spun: their queues are emptied on a visit. That costs less than callbacks, and a message then brings the
+times at which it was sent and received.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic
 from follower_humanoid.ros.formats import PEOPLE
-from follower_humanoid.ros.lines import Ear, born_with
+from follower_humanoid.ros.lines import BORN_WITH, Ear
 from follower_humanoid.ros.outgoing import SENT_AT
 from follower_humanoid.ros.qos import UNREAD
 from follower_humanoid.ros.validation import MessageError
@@ -36,6 +37,8 @@ _RELIABLE, _BEST_EFFORT = (
     QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=policy)
     for policy in (ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT)
 )
+# At least so many of the largest envelopes fit into a line; more waits where they come from.
+_FULL = 13
 _ENVELOPE = "std_msgs/msg/UInt8MultiArray"
 # A node of this package has an envelope; whoever publishes without one for longer is a stranger [s].
 _STRANGE_AFTER = 1.0
@@ -49,16 +52,16 @@ class _EnvelopeTap:
         envelope: Opens them.
         parts: What each message in it is; None where it is not taken from here.
         clock: The clock, which the simulator's envelopes stand for.
-        subscription: Where they come in, if there is no line.
-        line: Where they come in.
+        line: Where they come in; None where they come in by the subscription.
+        subscription: Shows who hears whom.
         strange_since: When topics of the node were first seen without its envelope.
     """
 
     envelope: Envelope
     parts: tuple[Recorded | None, ...]
     clock: Recorded | None
-    subscription: Any
     line: Ear | None
+    subscription: Any
     strange_since: float | None = field(default=None)
 
     @property
@@ -105,7 +108,8 @@ class RecorderTaps:
         waiting = {topic.name: topic for topic in recorded_topics()}
         for name, wiring in nodes_with(self._node.present).items():
             envelope = Envelope(wiring)
-            mine = {topic for topic in envelope.topics if not comes_by_itself(self._node, topic)}
+            # Those of people the leader may send in its envelope only.
+            mine = {t for t in envelope.topics if t in PEOPLE or not comes_by_itself(self._node, t)}
             if name not in self._node.present or not mine:
                 continue
             parts = tuple(waiting[topic] if topic in mine else None for topic in envelope.topics)
@@ -113,15 +117,17 @@ class RecorderTaps:
                 del waiting[heard]
             with_clock = name == SIMULATOR and not comes_by_itself(self._node, CLOCK)
             clock = waiting.pop(CLOCK) if with_clock else None
-            line = born_with().ears.get((name, RECORDER))
+            line = BORN_WITH.ear_of(RECORDER, name)
             qos = _RELIABLE if line is None else UNREAD
             subscription = self._subscribe(_ENVELOPE, envelope_topic(name), qos)
-            self._envelopes.append(_EnvelopeTap(envelope, parts, clock, subscription, line))
+            self._envelopes.append(_EnvelopeTap(envelope, parts, clock, line, subscription))
+        BORN_WITH.hear_only(RECORDER, [tap.envelope.node for tap in self._envelopes])
         for topic in waiting.values():
             self._listen(topic)
 
     def close(self) -> None:
         """Unsubscribes."""
+        BORN_WITH.hear_only(RECORDER, ())
         for subscription in list(self.subscriptions):
             self._node.destroy_subscription(subscription)
         self._by_name.clear()
@@ -133,15 +139,18 @@ class RecorderTaps:
         yield from (subscription for _, subscription in self._by_name.values())
         yield from (tap.subscription for tap in self._envelopes)
 
-    def take(self, recording: Recording) -> None:
-        """Empties the queues."""
+    def take(self, recording: Recording) -> bool:
+        """Empties the queues; returns whether a line was full, so that there is likely to be more soon."""
+        full = False
         for topic, subscription in list(self._by_name.values()):
             for data, received, published in _queue(subscription):
                 if topic.name not in PEOPLE or self._copies.is_new(topic.name, data, sealed=False):
                     recording.take(Arrival(topic, data, received, published))
         for tap in self._envelopes:
             arrivals = _queue(tap.subscription) if tap.line is None else _heard(tap.line)
+            count = 0
             for data, received, published in arrivals:
+                count += 1
                 try:
                     stamp, messages = tap.envelope.open(data)
                     if not 0 <= stamp <= LARGEST_STAMP:
@@ -156,6 +165,8 @@ class RecorderTaps:
                         continue
                     if part.name not in PEOPLE or self._copies.is_new(part.name, message, sealed=True):
                         recording.take(Arrival(part, message, received, published))
+            full = full or (tap.line is not None and count >= _FULL)
+        return full
 
     def hears_everyone(self) -> bool:
         """Whether every node of the graph has been found, by its envelope or by its topics."""

@@ -63,7 +63,7 @@ class SimulatorNode(LockStepNode):
 
     def set_up(self) -> None:
         """Builds the world and the endpoints, the clock among them."""
-        again = self._barrier is not None
+        again = self.starting.barrier is not None
         if not again:
             self._clock_publisher = self.make_publisher(Clock, CLOCK)
         super().set_up()
@@ -72,10 +72,11 @@ class SimulatorNode(LockStepNode):
             self._describer = self.create_publisher(String, "robot_description", LATCHED)
         self._describer.publish(String(data=robot.urdf))
         self._end = RunEnd(self.run, robot)
-        if self._barrier is not None and not again:
+        barrier = self.starting.barrier
+        if barrier is not None and not again:
             self._reset_publisher = self.make_publisher(Header, RESET)
-            self._barrier.watch(self._reset_publisher, self._roll_call.others)
-            self._holding.open(self._barrier)
+            barrier.watch(self._reset_publisher, self._roll_call.others)
+            self._holding.open(barrier)
         self._people = {topic: self._person(topic) for topic in sorted(PEOPLE_TOPICS)}
 
     def _person(self, topic: str) -> PeopleWrench:

@@ -35,6 +35,7 @@ _LONG_TURN = 0.02  # the same where a node waits for messages by itself [s]
 _LAST_WORD = 0.1  # s
 _DISMISSAL = 1.5  # s
 _LONGEST_WIND_DOWN = 0.5  # s
+_NOT_TAKEN = 1.0  # after which who takes nothing is left alone [s]
 
 
 class StopSignal:
@@ -129,8 +130,8 @@ def start_ros(args: list[str] | None) -> None:
 def _let_others_finish() -> None:
     """Asks the kernel not to interrupt whoever runs when a message wakes us.
 
-    A node sends up to ten messages per tick; if the first one puts a reader in its place, the two
-    change places ten times. This way there are less than half as many switches.
+    A node sends to up to seven others per tick; if the first one takes its place, the last ones wait
+    for their messages.
     """
     if hasattr(os, "SCHED_BATCH"):
         with suppress(OSError):  # not allowed everywhere, and not needed
@@ -155,6 +156,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
         _wind_down(executor, nodes, bus)
         for node in nodes:
             node.finish()
+        _flush(nodes)  # bringup knows by now that it is over, and wakes a recorder that was halted
         _linger(executor, stop, ended is not None and PARENT in os.environ)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
@@ -185,7 +187,7 @@ def _share_time(executor: Any, bus: Bus, stop: StopSignal) -> None:
     if bus.work(_TURN):
         executor.spin_until_future_complete(Future(), timeout_sec=0.0)
     elif not stop.over:
-        executor.spin_until_future_complete(bus.called, timeout_sec=REST)
+        executor.spin_until_future_complete(bus.future(), timeout_sec=REST)
 
 
 def _wind_down(executor: Any, nodes: list[ManagedNode], bus: Bus | None) -> None:
@@ -202,6 +204,16 @@ def _wind_down(executor: Any, nodes: list[ManagedNode], bus: Bus | None) -> None
         while bus is None and (left := until - time.monotonic()) > 0.0 and nodes[0].attend(left):
             pass
         executor.spin_until_future_complete(Future(), timeout_sec=max(0.0, until - time.monotonic()))
+
+
+def _flush(nodes: list[ManagedNode]) -> None:
+    """Sends what others had no room for, as long as they take any of it."""
+    left, since = sum(node.flush() for node in nodes), time.monotonic()
+    while left and time.monotonic() < since + _NOT_TAKEN:
+        time.sleep(0.001)
+        before, left = left, sum(node.flush() for node in nodes)
+        if left < before:
+            since = time.monotonic()
 
 
 def _linger(executor: Any, stop: StopSignal, await_dismissal: bool) -> None:

@@ -32,7 +32,7 @@ class Watchdog:
 
     def _look(self) -> None:
         node, now = self._node, time.monotonic()
-        node.send_what_is_late()
+        node.flush()
         if node.steps != self._steps or not (node.started and node.running):
             self._steps, self._progress_at = node.steps, now
             return
