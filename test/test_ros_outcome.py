@@ -62,6 +62,36 @@ CASES = {
 }  # fmt: skip
 
 
+def in_the_bag(latest, missed=0):
+    return {"closed_at [s]": f"{latest:g}", "missed_ticks": str(missed)}
+
+
+LACKING = {
+    "whole": (in_the_bag(2.0), 0, []),
+    "never closed, or never told": ({}, 0, []),
+    "rubbish": (in_the_bag(2.0) | {"closed_at [s]": "soon"}, 0, []),
+    "cut off": (in_the_bag(1.5), 1, ["the bag is incomplete: it ends at 1.500 s of 2.000 s"]),
+    "with a gap": (in_the_bag(2.0, 7), 1, ["the bag is incomplete: 7 states did not arrive"]),
+}
+
+
+@pytest.mark.parametrize("case", LACKING)
+@pytest.mark.parametrize("end", ["ended", "asked"])
+def test_a_bag_without_the_end_of_the_run_is_told(case, end):
+    reported, status, words = LACKING[case]
+    simulator = said(0) | {"simulated_time [s]": "2"}
+    if end == "asked":  # what was under way when somebody asked for the end is nobody's promise
+        assert judge(End(Outcome.ASKED), simulator, (), 0, reported) == (0, [])
+    else:
+        assert judge(REGULAR, simulator, (), 0, reported) == (status, words)
+
+
+def test_what_a_fall_came_to_is_told_before_what_its_bag_lacks():
+    simulator = said(3, "fell") | {"simulated_time [s]": "2"}
+    words = ["fell", "the bag is incomplete: it ends at 1.500 s of 2.000 s"]
+    assert judge(REGULAR, simulator, (), 0, in_the_bag(1.5)) == (1, words)
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_status_and_words(case):
     end, simulator, stuck, recorder, status, words = CASES[case]
