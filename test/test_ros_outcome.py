@@ -98,11 +98,18 @@ def test_status_and_words(case):
     assert judge(end, simulator, stuck, recorder) == (status, words)
 
 
-def test_a_signal_shortens_a_stop_that_has_begun():
+def start_and_wait(crew, name, program, ready):
+    """Starts a program that makes the file READY once it handles signals, and waits for that."""
+    words = program.replace("READY", f"open({str(ready)!r}, 'w')")
+    crew.start(name, [sys.executable, "-c", words], ())
+    while not ready.exists():
+        time.sleep(0.02)
+
+
+def test_a_signal_shortens_a_stop_that_has_begun(tmp_path):
     crew = Crew({})
-    stubborn = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); time.sleep(60)"
-    crew.start("stubborn", [sys.executable, "-c", stubborn], ())
-    time.sleep(1.0)
+    stubborn = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); READY; time.sleep(60)"
+    start_and_wait(crew, "stubborn", stubborn, tmp_path / "ready")
     begin = time.monotonic()
     crew.stop(lambda: begin + (0.6 if time.monotonic() > begin + 0.3 else 60.0), time.sleep)
     assert time.monotonic() - begin < 10.0
@@ -112,16 +119,16 @@ def test_a_signal_shortens_a_stop_that_has_begun():
 @pytest.mark.parametrize(
     ("work", "status"), [("time.process_time() < 1.5", 7), ("time.sleep(60) is None", -9)]
 )
-def test_a_writer_is_waited_for_while_it_gets_anything_done(work, status):
+def test_a_writer_is_waited_for_while_it_gets_anything_done(work, status, tmp_path):
     crew = Crew({})
     words = (
         "import signal, sys, time; signal.signal(signal.SIGTERM, lambda *_: done.append(1)); done = []\n"
+        "READY\n"
         "while not done: time.sleep(0.01)\n"
         f"while {work}: pass\n"
         "sys.exit(7)"
     )
-    crew.start("recorder", [sys.executable, "-c", words], ())
-    time.sleep(1.0)
+    start_and_wait(crew, "recorder", words, tmp_path / "ready")
     begin = time.monotonic()
     crew.stop(lambda: begin + 0.1, time.sleep, last="recorder")
     assert crew.members[0].process.returncode == status

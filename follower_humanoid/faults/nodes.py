@@ -6,9 +6,9 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator
-from functools import cache
 
 from follower_humanoid.bench.check import Check
+from follower_humanoid.faults.alone import hash_alone
 from follower_humanoid.faults.case import Effort, survived
 from follower_humanoid.faults.graph_run import GraphRun, graph_run, wait_until
 from follower_humanoid.graph.graph_config import LEADER, RECORDER
@@ -74,19 +74,11 @@ def _killed(name: str, how: str) -> Check:
     return survived(f"SIGKILL to {name}, {how}", "status 1, named, no orphan, readable bag", observed, good)
 
 
-@cache
-def _undisturbed(how: str, seconds: float) -> str:
-    """Hash of a run that nobody disturbs."""
-    with graph_run(*_WAYS[how][0], "--duration", f"{seconds:g}", "--composed") as run:
-        bag = run.recorded() if run.status() == 0 else None
-    return "" if bag is None else bag.joint_hash()
-
-
 def _same_walk(run: GraphRun, how: str, seconds: float) -> tuple[bool, str]:
     """Whether a run came to its end with a whole bag, having moved as if nothing had been, and in words."""
     status, bag, held = run.status(), run.recorded(), run.held_ticks()
     whole = bag is not None and not bag.notes
-    same = bag is not None and bag.joint_hash() == _undisturbed(how, seconds)
+    same = bag is not None and bag.joint_hash() == hash_alone(_WAYS[how][0][1], seconds)
     words = f"status {status}, bag {'complete' if whole else 'incomplete'}"
     words += f", moves {'' if same else 'not '}as alone" + (f", held for {held} ticks" if held else "")
     good = status == 0 and whole and same and held == 0
@@ -116,7 +108,6 @@ def _late(name: str, how: str) -> Check:
 
 def _started_by_hand(name: str) -> Check:
     options, _ = _WAYS["walking"]
-    _undisturbed("walking", _LATE_SECONDS)  # now: the late one is company that a graph refuses
     with graph_run(*options, "--duration", f"{_LATE_SECONDS:g}", "--without", name) as run:
         time.sleep(_HALT)
         late = subprocess.Popen(node_command(name), env=run.environment, stdout=subprocess.DEVNULL)
