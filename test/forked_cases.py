@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+import types
 from pathlib import Path
 
 from follower_humanoid.ros.forked import Forked, Gate
@@ -20,6 +21,27 @@ def forked(main, gate, environment=None):
 def sleep_long():
     time.sleep(60.0)
     return 0
+
+
+class LastBreath:
+    """Sends its process a signal when the interpreter takes everything down."""
+
+    def __del__(self, kill=os.kill, process=os.getpid, number=signal.SIGTERM):
+        kill(process(), number)
+
+
+def handle_signals_to_the_end():
+    signal.signal(signal.SIGTERM, lambda number, frame: None)
+    module = sys.modules["kept_to_the_end"] = types.ModuleType("kept_to_the_end")
+    module.breath = LastBreath()
+    return 5
+
+
+def test_a_signal_that_comes_when_all_is_done_does_not_take_the_place_of_the_status():
+    gate = Gate()
+    process = forked(handle_signals_to_the_end, gate)
+    gate.open()
+    assert process.wait() == 5
 
 
 def test_status_is_what_main_returns():

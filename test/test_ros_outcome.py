@@ -62,17 +62,54 @@ CASES = {
 }  # fmt: skip
 
 
+def in_the_bag(latest, missed=0):
+    return {"closed_at [s]": f"{latest:g}", "missed_ticks": str(missed)}
+
+
+LACKING = {
+    "whole": (in_the_bag(2.0), 0, []),
+    "never closed, or never told": ({}, 0, []),
+    "rubbish": (in_the_bag(2.0) | {"closed_at [s]": "soon"}, 0, []),
+    "cut off": (in_the_bag(1.5), 1, ["the bag is incomplete: it ends at 1.500 s of 2.000 s"]),
+    "with a gap": (in_the_bag(2.0, 7), 1, ["the bag is incomplete: 7 states did not arrive"]),
+}
+
+
+@pytest.mark.parametrize("case", LACKING)
+@pytest.mark.parametrize("end", ["ended", "asked"])
+def test_a_bag_without_the_end_of_the_run_is_told(case, end):
+    reported, status, words = LACKING[case]
+    simulator = said(0) | {"simulated_time [s]": "2"}
+    if end == "asked":  # what was under way when somebody asked for the end is nobody's promise
+        assert judge(End(Outcome.ASKED), simulator, (), 0, reported) == (0, [])
+    else:
+        assert judge(REGULAR, simulator, (), 0, reported) == (status, words)
+
+
+def test_what_a_fall_came_to_is_told_before_what_its_bag_lacks():
+    simulator = said(3, "fell") | {"simulated_time [s]": "2"}
+    words = ["fell", "the bag is incomplete: it ends at 1.500 s of 2.000 s"]
+    assert judge(REGULAR, simulator, (), 0, in_the_bag(1.5)) == (1, words)
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_status_and_words(case):
     end, simulator, stuck, recorder, status, words = CASES[case]
     assert judge(end, simulator, stuck, recorder) == (status, words)
 
 
-def test_a_signal_shortens_a_stop_that_has_begun():
+def start_and_wait(crew, name, program, ready):
+    """Starts a program that makes the file READY once it handles signals, and waits for that."""
+    words = program.replace("READY", f"open({str(ready)!r}, 'w')")
+    crew.members.append(Member(name, (), subprocess.Popen([sys.executable, "-c", words])))
+    while not ready.exists():
+        time.sleep(0.02)
+
+
+def test_a_signal_shortens_a_stop_that_has_begun(tmp_path):
     crew = Crew({})
-    stubborn = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); time.sleep(60)"
-    crew.members.append(Member("stubborn", (), subprocess.Popen([sys.executable, "-c", stubborn])))
-    time.sleep(1.0)
+    stubborn = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); READY; time.sleep(60)"
+    start_and_wait(crew, "stubborn", stubborn, tmp_path / "ready")
     begin = time.monotonic()
     crew.stop(lambda: begin + (0.6 if time.monotonic() > begin + 0.3 else 60.0), time.sleep)
     assert time.monotonic() - begin < 10.0
@@ -80,18 +117,23 @@ def test_a_signal_shortens_a_stop_that_has_begun():
 
 
 @pytest.mark.parametrize(
-    ("work", "status"), [("time.process_time() < 1.5", 7), ("time.sleep(60) is None", -9)]
+    ("work", "status"),
+    [
+        ("time.process_time() < 1.5", 7),
+        ("time.sleep(0.01) or time.monotonic() < begin + 2.0", 7),  # a little, again and again
+        ("time.sleep(60) is None", -9),
+    ],
 )
-def test_a_writer_is_waited_for_while_it_gets_anything_done(work, status):
+def test_a_writer_is_waited_for_while_it_gets_anything_done(work, status, tmp_path):
     crew = Crew({})
     words = (
         "import signal, sys, time; signal.signal(signal.SIGTERM, lambda *_: done.append(1)); done = []\n"
+        "READY\n"
         "while not done: time.sleep(0.01)\n"
-        f"while {work}: pass\n"
+        f"begin = time.monotonic()\nwhile {work}: pass\n"
         "sys.exit(7)"
     )
-    crew.members.append(Member("recorder", (), subprocess.Popen([sys.executable, "-c", words])))
-    time.sleep(1.0)
+    start_and_wait(crew, "recorder", words, tmp_path / "ready")
     begin = time.monotonic()
     crew.stop(lambda: begin + 0.1, time.sleep, last="recorder")
     assert crew.members[0].process.returncode == status

@@ -21,7 +21,7 @@ def cycles(effort: Effort) -> Iterator[Check]:
             started = run.reaches(0.1)
             slowest = max(slowest, run.end(signal.SIGINT if number % 3 else signal.SIGTERM))
             if not started or run.status() != 0 or not ended_well(run):
-                faults.append(f"{number}: status {run.status()}, {end_of(run)}, {run.said[-100:]!r}")
+                faults.append(f"{number}: status {run.status()}, {end_of(run)}, {run.last_words!r}")
     observed = f"{count - len(faults)} well, slowest stop {slowest:.1f} s"
     observed += "".join(f"; {fault}" for fault in faults[:3])
     yield survived(f"{count} starts and stops", "status 0, no orphan, readable bags", observed, not faults)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 import subprocess
@@ -12,10 +11,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from follower_humanoid.bench.check import Check
+from follower_humanoid.faults.alone import hash_alone
 from follower_humanoid.faults.case import Effort, survived
 from follower_humanoid.faults.graph_run import GraphRun, graph_run
 from follower_humanoid.faults.nodes import end_of, ended_well
-from follower_humanoid.graph.simulate import TICK, simulate
 
 _PATIENCE = 1800.0  # wall time for a flood [s]
 _REJECTED = re.compile(r"\[([\w.]+)\]: (?:message on|request to) (\S+) re")
@@ -86,6 +85,4 @@ def _flood(run: GraphRun, kind: str, count: int) -> tuple[dict[str, Any], list[s
 
 def _moves_as_alone(leader: str, report: dict[str, str]) -> bool:
     """Whether the joints went, up to a report, where they go without ROS and without a neighbour."""
-    states = round(float(report["simulated_time [s]"]) / TICK) + 1
-    alone = simulate(leader, states * TICK)["joint_states"].position[:states]
-    return hashlib.sha256(alone.astype("<f8").tobytes()).hexdigest() == report["joint_hash"]
+    return hash_alone(leader, float(report["simulated_time [s]"])) == report["joint_hash"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import random
 import re
@@ -13,14 +14,21 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
+from follower_humanoid.bag.mcap_file import McapFile, Message, bag_files
 from follower_humanoid.bag.reader import read_run
+from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.record import Run
+from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
+from follower_humanoid.ros.director import reports_in
 
 PATIENCE = 600.0  # wall time for anything that takes seconds on a free machine [s]
+_HELD = ("legs_held_ticks", "arms_held_ticks")
+_LAST_WORDS = 600  # characters
 _TIME = re.compile(r"^t = ([0-9.]+) s", re.MULTILINE)
 
 
@@ -62,6 +70,11 @@ class GraphRun:
     def said(self) -> str:
         """What it has printed, to stdout and to stderr."""
         return (self.folder / "out.txt").read_text(encoding="utf-8", errors="replace")
+
+    @property
+    def last_words(self) -> str:
+        """The end of what it has printed, on one line."""
+        return " | ".join(self.said.split("\n"))[-_LAST_WORDS:].strip(" |")
 
     @property
     def time(self) -> float:
@@ -140,6 +153,27 @@ class GraphRun:
         return subprocess.run(
             command, env=self.environment, capture_output=True, text=True, timeout=PATIENCE, check=False
         )
+
+    def recorded_messages(self, topic: str) -> Iterator[Message]:
+        """The messages of a topic in the bag; none where it cannot be read."""
+        try:
+            for path in bag_files(self.bag):
+                file = McapFile(path)
+                for messages in file.chunks():
+                    yield from (m for m in messages if file.channels[m.channel].topic == topic)
+        except ConfigurationError:
+            return
+
+    def longest_pause(self) -> float:
+        """Longest wall time between two states, as recorded [s]."""
+        times = [message.received for message in self.recorded_messages("/joint_states")]
+        return max((after - before for before, after in pairwise(times)), default=math.inf) / NANOSECONDS
+
+    def held_ticks(self) -> int:
+        """For how many ticks the motor drives held, as the simulator said on `/diagnostics`."""
+        reports = [reports_in(message.data, "/") for message in self.recorded_messages("/diagnostics")]
+        held = [report[SIMULATOR] for report in reports if SIMULATOR in report]
+        return sum(int(held[-1][key]) for key in _HELD) if held else 0
 
 
 @contextmanager

@@ -166,7 +166,8 @@ class BringupRun:
         self._director.spin(0.05)
         self._line.end()
         values = dict(self._director.values)
-        status, words = judge(end, values.get(SIMULATOR, {}), stuck, self._recorder_status())
+        told = values.get(SIMULATOR, {}), stuck, self._recorder_status(), values.get(RECORDER, {})
+        status, words = judge(end, *told)
         for text in words:
             self._say(text)
         if self._plan.options.bag:

@@ -111,10 +111,11 @@ class Crew:
 
     @staticmethod
     def _wait_while_busy(member: Member, idle: Callable[[float], None]) -> None:
-        begin, done = time.monotonic(), -1.0
+        begin = time.monotonic()
+        done: tuple[str, ...] | None = None
         while member.process.poll() is None and time.monotonic() < begin + _LONGEST_WRITING:
-            before, done = done, _cpu_time(member.process.pid)
-            if done == before:
+            before, done = done, _work_of(member.process.pid)
+            if done is not None and done == before:
                 return
             until = time.monotonic() + _BUSY
             while time.monotonic() < until and member.process.poll() is None:
@@ -136,13 +137,19 @@ class Crew:
             idle(0.02)
 
 
-def _cpu_time(pid: int) -> float:
-    """Of a process so far [clock ticks]; 0 where it is gone."""
+def _work_of(pid: int) -> tuple[str, ...] | None:
+    """Grows while a process gets anything done; None while it waits for a processor or for a disk.
+
+    Its CPU time, and how often its main thread has gone to sleep or was sent there: on a crowded machine it
+    gets less than a clock tick of CPU time in a while.
+    """
     try:
         fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    except OSError:
-        return 0.0
-    return float(fields[11]) + float(fields[12])
+        lines = Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines()
+    except OSError:  # gone
+        return ()
+    switches = [line for line in lines if "ctxt_switches" in line]
+    return None if fields[0] in "RD" else (fields[11], fields[12], *switches)
 
 
 def how_it_ended(status: int) -> str:

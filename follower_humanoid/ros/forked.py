@@ -121,5 +121,9 @@ def _live(
         status = end.code if isinstance(end.code, int) else 1
     except BaseException:  # whatever it is: the user must see it, and this process must not go on
         traceback.print_exc()
+    # All is done, and the interpreter takes our handlers away some time before it ends: whoever is dismissed
+    # then has ended well all the same.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
     # As at the end of any Python program, and unlike `os._exit`: the middleware gives its shared memory back.
     ctypes.pythonapi.Py_Exit(status)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
+from types import MappingProxyType
 
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import SIMULATOR
@@ -14,6 +15,11 @@ from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, FAILED
 
 ENDED, EXIT_STATUS = "ended", "exit_status"
 """Under these names the simulator tells in its last diagnostics that the run is over, and how."""
+
+SIMULATED_TIME = "simulated_time [s]"
+CLOSED_AT, MISSED_TICKS = "closed_at [s]", "missed_ticks"
+"""Under these the recorder tells in its last diagnostics how far the bag goes, and what it lacks before."""
+_ROUNDING = 1e-6  # of times told as text [s]
 
 
 class Outcome(Enum):
@@ -43,6 +49,7 @@ def judge(
     simulator: Mapping[str, str],
     stuck: Sequence[str] = (),
     recorder: int | None = None,
+    bag: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[int, list[str]]:
     """Exit status and what to say, one line each. A process's status alone is no proof of a good end:
     whoever is sent a signal by somebody else ends with 0 too.
@@ -52,11 +59,26 @@ def judge(
         simulator: What the simulator's last diagnostics said.
         stuck: Nodes that gave no sign of life.
         recorder: How the recorder's process ended; None without a bag.
+        bag: What the recorder's last diagnostics said.
     """
     status, said = _judged(end, simulator, stuck)
     if recorder and status != BAD_CONFIGURATION and not (end.member and RECORDER in end.member.nodes):
         return FAILED, [*said, f"the bag is incomplete: recorder {how_it_ended(recorder)}"]
+    if end.outcome is Outcome.ENDED and (lacking := _lacking(simulator, bag)):
+        return FAILED, [*said, f"the bag is incomplete: {lacking}"]
     return status, said
+
+
+def _lacking(simulator: Mapping[str, str], bag: Mapping[str, str]) -> str:
+    """What a bag lacks of a run that went to its end: a recorder that was halted then hears no more of it."""
+    try:
+        until, closed_at = float(simulator[SIMULATED_TIME]), float(bag[CLOSED_AT])
+        missed = int(bag[MISSED_TICKS])
+    except (KeyError, ValueError):  # no last word, which says nothing about the bag
+        return ""
+    if missed:
+        return f"{missed} states did not arrive"
+    return f"it ends at {closed_at:.3f} s of {until:.3f} s" if closed_at < until - _ROUNDING else ""
 
 
 def _judged(end: End, simulator: Mapping[str, str], stuck: Sequence[str]) -> tuple[int, list[str]]:

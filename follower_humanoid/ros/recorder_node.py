@@ -11,9 +11,11 @@ from typing import Any
 from follower_humanoid.bag.about import about_run, texts_in
 from follower_humanoid.bag.recorder import RecorderConfig, Recording
 from follower_humanoid.bag.writer import BagWriter
+from follower_humanoid.core.cdr import NANOSECONDS
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.ros.barrier import Announcer
 from follower_humanoid.ros.managed_node import FAILED, ManagedNode
+from follower_humanoid.ros.outcome import CLOSED_AT, MISSED_TICKS
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.recorder_taps import RecorderTaps
 
@@ -39,6 +41,7 @@ class RecorderNode(ManagedNode):
         super().__init__(RECORDER, **options)
         self.config = declare(self, RecorderConfig)
         self._writer: BagWriter | None = None
+        self._bag, self._at_the_end = "", False
         self._recording: Recording | None = None
         self._poll = self.make_timer(self.config.poll, self._visit)
         self._poll.cancel()
@@ -59,6 +62,7 @@ class RecorderNode(ManagedNode):
         folder = Path(self.config.bag or datetime.now().strftime("bags/%Y-%m-%d-%H-%M-%S"))
         about = about_run(self.graph.urdf, texts_in(self.config.about), self.graph.tick)
         self._writer = BagWriter(folder, about, time.time_ns())
+        self._bag = str(folder)
         self._taps = RecorderTaps(self)
         self._recording = Recording(
             self._writer, self.config.rate, self.tick_ns, self._taps.announce, about.urdf
@@ -90,6 +94,7 @@ class RecorderNode(ManagedNode):
             if self._visit():
                 last = time.monotonic()
             time.sleep(0.01)
+        self._at_the_end = self._writer is not None  # else somebody had it closed before
         self._close()
         super().finish()
 
@@ -100,14 +105,16 @@ class RecorderNode(ManagedNode):
 
     def report(self) -> dict[str, float | int | str | bool]:
         """What was written and what was lost."""
-        if self._recording is None or self._writer is None:
+        if self._recording is None:
             return {}
         missing = self._recording.missing
         values: dict[str, float | int | str | bool] = {
-            "bag": str(self._writer.folder),
+            "bag": self._bag,
             "messages": self._recording.count,
-            "missed_ticks": missing,
+            MISSED_TICKS: missing,
         }
+        if self._at_the_end:
+            values[CLOSED_AT] = self.stamp / NANOSECONDS
         if missing:
             values["warning"] = f"{missing} joint states did not arrive"
         return values
