@@ -164,6 +164,25 @@ def test_a_com_far_off_asks_for_no_more_than_the_soles_can_do() -> None:
     assert out.zmp_command.xyz[0] <= soles + 0.14 + 1e-9
 
 
+@pytest.mark.parametrize("roll", [0.1, -0.1])
+def test_at_the_edge_of_the_soles_the_dcm_goes_before_the_attitude(roll: float) -> None:
+    # The reference leans, so that the attitude asks for a ZMP 3 cm to one side.
+    leaning = standing_configuration().copy()
+    leaning[3:7] = [np.sin(roll / 2), 0.0, 0.0, np.cos(roll / 2)]
+    com = com_of(standing_configuration())
+
+    def zmp(dcm_error: float, base: Array) -> float:
+        dcm = Point(np.array([com[0], com[1] - dcm_error, 0.0]))
+        out = step(**known(dcm_reference=dcm, base=odometry_of(base)))
+        assert out.zmp_command is not None
+        return float(out.zmp_command.xyz[1])
+
+    upright = standing_configuration()
+    assert abs(zmp(0.0, leaning) - zmp(0.0, upright)) > 0.02
+    for away in (0.3, -0.3):
+        assert zmp(away, leaning) == pytest.approx(zmp(away, upright), abs=1e-3)
+
+
 def test_a_swing_foot_is_asked_for_nothing() -> None:
     out = step(**known(contacts=ContactPlan(0.0, 1.0)))
     assert out.left_foot_reference is not None

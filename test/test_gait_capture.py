@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -21,7 +22,7 @@ from follower_humanoid.gait.capture import (
     shifted,
 )
 from follower_humanoid.gait.composition import MotionComposition
-from follower_humanoid.gait.feet import FootPose
+from follower_humanoid.gait.feet import EDGES, HEEL_TOE, FootPose, FootstepConfig
 from follower_humanoid.gait.limits import GaitLimits, limited
 from follower_humanoid.gait.preview import ZmpLeg, planned_dcm
 
@@ -120,6 +121,12 @@ def test_a_push_towards_the_swing_foot_is_met_sooner_and_further_out() -> None:
     assert both.cost < place_only.cost
 
 
+def test_a_walk_that_is_stopped_may_land_behind_its_stance_foot() -> None:
+    outlook = replace(swing(0.1), foot=swing(0.1).landing.xy)
+    wanted = capture(planned(outlook) - np.array([0.5, 0.0]), outlook, OMEGA, CONFIG)
+    assert wanted.shift[0] < -FootstepConfig().half_step_length
+
+
 def test_shifts_have_limits_and_inwards_the_narrowest() -> None:
     outlook = replace(swing(0.1), foot=swing(0.1).landing.xy)  # so that the way to go is no limit
     sign = outlook.landing.side.sign
@@ -179,7 +186,19 @@ def _swinging() -> IdealRobot:
     return ideal
 
 
-def pushed(error: tuple[float, float]) -> tuple[IdealRobot, float, FootPose]:
+def beyond_the_sole(ideal: IdealRobot, asked: Array) -> Array:
+    """How far the DCM is behind the reference, which has taken over the push: its ZMP ends at the sole."""
+    motion = ideal.composition._motion
+    half = motion.walker.half_step if motion is not None else None
+    if half is None or not half.single_support:
+        return np.zeros(2)
+    stance = half.stance  # heads along x
+    low, high = np.array([HEEL_TOE[0], EDGES[0]]), np.array([HEEL_TOE[1], EDGES[1]])
+    possible = stance.xy + np.clip(asked - stance.xy, low, high)
+    return np.asarray((math.exp(OMEGA * ideal.dt) - 1.0) * (asked - possible))
+
+
+def pushed(error: Sequence[float] | Array) -> tuple[IdealRobot, float, FootPose]:
     """The rest of the first step with a DCM measured off its plan, how long it took and where it landed."""
     ideal = copy.deepcopy(_swinging())
     begin, number = ideal.time, len(ideal.steps())
@@ -195,7 +214,7 @@ def pushed(error: tuple[float, float]) -> tuple[IdealRobot, float, FootPose]:
         total = out.contacts.left + out.contacts.right
         ideal.loads = {Side.LEFT: out.contacts.left / total, Side.RIGHT: out.contacts.right / total}
         ideal.outputs.append(out)
-        error = (0.0, 0.0)  # the push was short: the reference has taken it over
+        error = beyond_the_sole(ideal, out.zmp_reference.xyz[:2])
     step = ideal.steps()[-1]
     return (
         ideal,
@@ -217,7 +236,7 @@ def joint_jump(ideal: IdealRobot) -> Array:
 
 def test_a_push_makes_the_foot_land_sooner_and_further_out() -> None:
     _, usual, _ = pushed((0.0, 0.0))
-    ideal, hurried, foot = pushed((0.0, -0.05))
+    ideal, hurried, foot = pushed((0.0, -CONFIG.zmp_across - 0.025))  # more than the ZMP can meet
     assert foot.side is Side.RIGHT
     assert hurried < 0.6 * usual
     assert foot.y < -0.13
@@ -226,7 +245,7 @@ def test_a_push_makes_the_foot_land_sooner_and_further_out() -> None:
 
 
 def test_a_push_forward_makes_the_step_longer() -> None:
-    _, _, foot = pushed((0.09, 0.0))
+    _, _, foot = pushed((0.15, 0.0))  # with the ZMP at the toes it would still run away
     assert foot.x > 0.45
 
 

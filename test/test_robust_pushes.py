@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from follower_humanoid.bench.disturbances import RandomGait, walk
+from follower_humanoid.bench.disturbances import SETTLING, RandomGait, walk
 from follower_humanoid.bench.disturbed import Course, Ending, Push, Trial
 from follower_humanoid.bench.limits import bisect
 from follower_humanoid.core.samples import Joints, Wrench
@@ -28,6 +28,22 @@ def test_a_push_across_at_half_a_metre_per_second_is_caught_either_way() -> None
         assert not ending.fall
         assert ending.steps > 5
     trial.close()
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize(
+    ("length", "time", "instant", "impulse"), [(0.35, 0.7, 4.675, -20.0), (0.40, 0.8, 4.7, 20.0)]
+)
+def test_a_push_over_the_stance_foot_is_caught_in_slower_steps_too(
+    length: float, time: float, instant: float, impulse: float
+) -> None:
+    # The DCM ends at the outer edge of the sole: all of it is needed, at once and for as long as it takes.
+    trial = Trial(Course(left=(1.0, 0.0, 0.0)), walk(length, time))
+    trial.run(instant - 0.02)
+    push = Push(instant, np.array([0.0, impulse]))
+    ending = trial.branch(instant + push.time + SETTLING, push)
+    trial.close()
+    assert ending.settled
 
 
 @pytest.mark.timeout(600)

@@ -35,17 +35,18 @@ class DcmBalance:
         state = measured if config.feedback else reference
         omega = natural_frequency(float(reference.com[2]))
         dcm = measured_dcm(measured, hands, omega)
-        zmp = now.zmp
+        wanted = now.zmp
         if config.feedback:
-            zmp = desired_zmp(dcm, now.dcm, now.zmp, omega, config.dcm.proportional)
-        zmp = share_feet(zmp, now.soles, now.contacts, config.soles).zmp
+            wanted = desired_zmp(dcm, now.dcm, now.zmp, omega, config.dcm.proportional)
+        zmp = share_feet(wanted, now.soles, now.contacts, config.soles).zmp
         momentum_rate = self._swing.step(now.wanted.angular_momentum.copy(), self._period)
         turning = momentum_shift(momentum_rate, mass)
         force = desired_force(state, reference, zmp, turning, hands, omega, mass, config.dcm)
         error, rate = _attitude_error(now) if config.feedback else (np.zeros(3), np.zeros(3))
         shift = attitude_shift(error, rate, mass, config.attitude)
         moment = yaw_moment(error, rate, float(momentum_rate[2]), config.attitude)
-        shares = share_feet(zmp + shift, now.soles, now.contacts, config.soles)
+        # Of the wanted ZMP, not of what soles leave of it: at their edge the DCM goes before the attitude.
+        shares = share_feet(wanted + shift, now.soles, now.contacts, config.soles)
         left, right = (
             foot_wrench(
                 shares.share[side], shares.point[side], force, moment, now.soles[side], config.soles.friction

@@ -56,9 +56,10 @@ def pushes_paper_speed() -> Iterator[Check]:
     yield from pushes(Course(left=FIG4_PULL), {}, 10.0, [6.0, 6.8, 7.6, 8.4])
 
 
-def pushes_fast() -> Iterator[Check]:
-    """20 N·s at four instants of a half-step at 0.5 m/s."""
-    yield from pushes(Course(left=(1.0, 0.0, 0.0)), walk(0.30, 0.6), 20.0, [4.5, 4.65, 4.8, 4.95])
+def pushes_fast(length: float, time: float) -> Iterator[Check]:
+    """20 N·s at four instants of a half-step of so many metres and seconds."""
+    instants = [4.5 + time * quarter / 4 for quarter in range(4)]
+    yield from pushes(Course(left=(1.0, 0.0, 0.0)), walk(length, time), 20.0, instants)
 
 
 def one_run(course: Course, duration: float, parameters: Parameters | None = None) -> Ending:
@@ -208,7 +209,9 @@ def _fig4(name: str, course: Course, parameters: Parameters) -> Check:
 ROWS: dict[str, Callable[[], Iterator[Check]]] = {
     "push standing": pushes_standing,
     "push at paper speed": pushes_paper_speed,
-    "push at 0.5 m/s": pushes_fast,
+    "push at 0.5 m/s": lambda: pushes_fast(0.30, 0.6),
+    "push at 0.5 m/s, steps of 0.35 m": lambda: pushes_fast(0.35, 0.7),
+    "push at 0.5 m/s, steps of 0.40 m": lambda: pushes_fast(0.40, 0.8),
     "random changes": random_changes,
     "0.5 m/s": lambda: fast_walk(0.35, 0.7, 40),
     "0.75 m/s": lambda: fast_walk(0.45, 0.6, 20),

@@ -32,8 +32,9 @@ class CompositionConfig:
         10.0, "the same rate while recovering from a push", "1/s", 0.5, 40
     )
     recovery_reach: float = parameter(
-        0.045, "largest ZMP shift while recovering, one foot carrying", "m", 0, 0.1
-    )
+        0.3, "largest ZMP shift asked for while recovering, one foot carrying; the soles' edge cuts it", "m",
+        0, 0.5,
+    )  # fmt: skip
     recovery_reach_double: float = parameter(0.2, "the same, both feet carrying", "m", 0, 0.5)
     walker: WalkerConfig = field(default_factory=WalkerConfig)
     footsteps: FootstepConfig = field(default_factory=FootstepConfig)
