@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from follower_humanoid.graph.lockstep import CLOCK, LockStep
-from follower_humanoid.graph.wiring import NODES, PRODUCER, WIRING, used_tick
+from follower_humanoid.graph.wiring import NODES, PRODUCER, WIRING, is_optional, used_tick
 
 EVERYONE = frozenset(NODES)
 
@@ -123,6 +123,26 @@ def test_a_stranger_that_keeps_the_ticks_is_waited_for():
     assert not lock.ready
     assert feed(lock, "gait", [0]) == [True]
     assert lock.take()["gait"] == "gait@0"
+
+
+@pytest.mark.parametrize("left_out", sorted(NODES))
+@pytest.mark.parametrize("node", WIRING, ids=lambda node: node.name)
+def test_with_a_stranger_that_keeps_the_ticks_a_node_uses_what_it_uses_without(node, left_out):
+    lock = LockStep(node, without(left_out))
+    steps = 0
+    for now in range(60):
+        for topic in lock.topics:
+            period = 1 if topic == CLOCK else PRODUCER[topic].period
+            if now % period == 0:
+                lock.put(topic, now, now)
+        while lock.ready and lock.tick <= now:
+            tick, steps = lock.tick, steps + 1
+            for topic, value in lock.take().items():
+                if topic == CLOCK or (PRODUCER[topic].name == left_out and is_optional(topic)):
+                    continue  # the newest, whoever has it
+                used = used_tick(tick, topic)
+                assert value == (used if used >= 0 else None), topic
+    assert steps >= 60 // node.period - 1
 
 
 @pytest.mark.parametrize("tick", [None, 3, 1_000_000])

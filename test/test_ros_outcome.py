@@ -92,6 +92,11 @@ def test_what_a_fall_came_to_is_told_before_what_its_bag_lacks():
     assert judge(REGULAR, simulator, (), 0, in_the_bag(1.5)) == (1, words)
 
 
+def test_a_tick_that_broke_has_no_state_that_a_bag_could_lack():
+    simulator = said(1, "the physics broke") | {"simulated_time [s]": "2"}
+    assert judge(REGULAR, simulator, (), 0, in_the_bag(1.998)) == (1, ["the physics broke"])
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_status_and_words(case):
     end, simulator, stuck, recorder, status, words = CASES[case]

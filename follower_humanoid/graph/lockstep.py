@@ -205,6 +205,9 @@ class LockStep:
         if entry.foreign and sample is not None:
             floor = 0 if entry.awaited is None else entry.awaited
             furthest = max(floor, self._origin) + _FAR_AHEAD
+            if on_grid and tick is not None and not entry.held and floor - self._period < tick < floor:
+                entry.newest = sample  # of a tick between two steps of ours: on time, though never used
+                return False
             if entry.held or not on_grid or tick is None or not floor <= tick <= furthest:
                 return self._hold(entry, sample)
         elif tick is None or not on_grid:

@@ -64,13 +64,13 @@ def judge(
     status, said = _judged(end, simulator, stuck)
     if recorder and status != BAD_CONFIGURATION and not (end.member and RECORDER in end.member.nodes):
         return FAILED, [*said, f"the bag is incomplete: recorder {how_it_ended(recorder)}"]
-    if end.outcome is Outcome.ENDED and (lacking := _lacking(simulator, bag)):
+    if end.outcome is Outcome.ENDED and status != FAILED and (lacking := _lacking(simulator, bag)):
         return FAILED, [*said, f"the bag is incomplete: {lacking}"]
     return status, said
 
 
 def _lacking(simulator: Mapping[str, str], bag: Mapping[str, str]) -> str:
-    """What a bag lacks of a run that went to its end: a recorder that was halted then hears no more of it."""
+    """What a bag lacks of a run: a recorder that was halted at its end may hear no more of it."""
     try:
         until, closed_at = float(simulator[SIMULATED_TIME]), float(bag[CLOSED_AT])
         missed = int(bag[MISSED_TICKS])
