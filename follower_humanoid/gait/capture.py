@@ -208,9 +208,10 @@ def _reachable(shift: Array, time: float, outlook: SwingOutlook, config: Capture
 
 def shifted(landing: FootPose, shift: Array) -> FootPose:
     """The landing place moved by (forward, outward)."""
-    if not shift.any():
+    forward, outward = shift.tolist()
+    if forward == outward == 0.0:
         return landing
-    x, y = landing.point(float(shift[0]), landing.side.sign * float(shift[1])).tolist()
+    x, y = landing.point(forward, landing.side.sign * outward).tolist()
     return FootPose(landing.side, x, y, landing.yaw, landing.z)
 
 

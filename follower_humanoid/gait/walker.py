@@ -127,7 +127,7 @@ class Walker:
         """Whether the present half-step goes where and as fast as the walking parameters say."""
         half = self.half_step
         paces = half is None or half.pace == half.transfer_pace == 1.0
-        return paces and not self.shift.any()
+        return paces and self.shift.tolist() == [0.0, 0.0]
 
     def outlook(self, plan: Plan) -> SwingOutlook | None:
         """The swing that runs or comes next, as fast as the walking parameters say; None: nothing to move."""
