@@ -64,7 +64,7 @@ def tried_files(kind: str, count: int, seed: int) -> Outcome:
 def hostile_files(effort: Effort) -> Iterator[Check]:
     """A line per kind of file."""
     for kind in KINDS:
-        count = effort.count(150, 10_000)
+        count = effort.count(50, 10_000)
         outcome = tried_files(kind, count, _SEED)
         good = not outcome.findings and outcome.peak < LARGEST_MEMORY
         observed = f"{outcome.read} read, {outcome.refused} refused, {outcome.peak:.0f} MiB"

@@ -40,7 +40,7 @@ from follower_humanoid.ros.spin import start_ros
 
 _POOL = 2000  # different messages per topic
 _BURST = 500
-_LAST_REPORT = 2.5  # wall time for the nodes' last word on it [s]
+_LAST_REPORT = 1.5  # wall time for the nodes' last word on it [s]
 _DISCOVERY = 1.0  # s
 
 
