@@ -148,7 +148,7 @@ def run(listener: Listener, pages: tuple[int, int] | None, seconds: float) -> Ru
         file = Path(folder) / "viewer.yaml"
         file.write_text(f"viewer: {{ros__parameters: {{port: {port}}}}}\n")
         with visits(port, *pages) as open_pages:
-            clock = ProcessClock("exe/viewer\0")
+            clock = ProcessClock("exe/viewer ")
             placed = listener.run(TICK, *options, "--view", "--params", str(file))
             wall = seconds / placed.simulator("mean_real_time_factor")
             return Run(placed, clock.share(0.8 * wall), sum(page.heard for page in open_pages))
