@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
-import time
 
 import numpy as np
 import pytest
-from graph_bench import bringup, node, run, script
+from graph_bench import bringup, node, run, script, wait_until
 from mcap.reader import make_reader
 
 from follower_humanoid.bag.reader import read_run
@@ -81,15 +80,19 @@ def test_a_recorder_that_was_halted_at_the_end_has_everything(place):
 
 
 def test_a_node_started_by_hand_is_heard_although_the_recorder_leaves(place):
-    options = ("--leader", "none", "--duration", "3", "--bag", str(place / "bag"))
+    options = ("--leader", "none", "--duration", "600", "--bag", str(place / "bag"))
     with bringup(place, *options, "--without", "leg_controller") as running:
         by_hand = node("leg_controller", running.environment)
         try:
             running.wait_until_it_runs()
-            time.sleep(0.2)
             for verb in ("deactivate", "cleanup"):
                 assert script(CHANGE.format(verb=verb), running.environment).wait(60.0) == 0
-            assert running.wait() == 0, running.complained
+            told = running.said
+            assert wait_until(lambda: running.said.count("t = ") > told.count("t = ") + 3)
+            running.end()
+            assert running.process.returncode == 0, running.complained
+            times = [float(line.split()[2]) for line in running.said.splitlines() if line.startswith("t = ")]
+            assert times[-1] > times[-2] > times[-3]
         finally:
             by_hand.terminate()
             by_hand.wait(10)

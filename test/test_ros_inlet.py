@@ -41,6 +41,9 @@ class Reader:
     def make_subscription(self, kind, topic, callback, qos=None):
         self.hears[topic] = callback
 
+    def watch_source(self, subscription, name):
+        assert name in NODES
+
     def watch_stranger(self, subscription, name):
         pass
 

@@ -93,6 +93,18 @@ def test_both_ends_learn_that_the_other_is_gone(line):
     assert not mouth.flush()
 
 
+def test_one_who_goes_while_messages_wait_for_it_is_noticed_quietly(line):
+    mouth, ear = line
+    for number in range(DEPTH):
+        mouth.send(message(number))
+    assert mouth.flush()
+    ear.close()
+    mouth.send(message(DEPTH))
+    assert not mouth.open
+    assert mouth.flush() == 0
+    mouth.send(message(DEPTH))
+
+
 def test_what_the_other_end_could_not_take_in_is_refused(line):
     mouth, ear = line
     mouth.send(bytes(LARGEST))

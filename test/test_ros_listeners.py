@@ -18,13 +18,13 @@ class Graph:
     topic_name = "/one/topic"
 
     def __init__(self):
-        self.listening, self.hearers, self.asked = [], frozenset(), 0
+        self.listening, self.hearers, self.asked, self.nameless = [], frozenset(), 0, 0
 
     def get_namespace(self):
         return OWN
 
     def get_subscription_count(self):
-        return len(self.listening)
+        return len(self.listening) + self.nameless
 
     def get_subscriptions_info_by_topic(self, topic):
         assert topic == self.topic_name
@@ -62,6 +62,11 @@ def test_only_those_count_who_do_not_hear_it_anyway(graph, listeners, count):
         listeners.look()
         graph.listening = list(chosen)
         assert listeners.look() == any(one not in PEOPLE[:2] for one in chosen)
+
+
+def test_one_whose_name_is_not_known_yet_counts(graph, listeners):
+    graph.hearers, graph.listening, graph.nameless = frozenset({"legs"}), [("legs", OWN)], 1
+    assert listeners.look()
 
 
 def test_who_no_longer_hears_it_otherwise_counts(graph, listeners):

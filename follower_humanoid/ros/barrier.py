@@ -46,6 +46,7 @@ class Barrier:
         self._present = present
         self._publishers: list[tuple[Any, frozenset[str]]] = []
         self._choices: list[tuple[Any, Mapping[str, Sequence[Any]]]] = []
+        self._sources: list[tuple[Any, str]] = []
         self._strangers: list[tuple[Any, str]] = []
         self._strangers_here_since: float | None = None
 
@@ -56,6 +57,10 @@ class Barrier:
     def watch_either(self, publisher: Any, others: Mapping[str, Sequence[Any]]) -> None:
         """Adds a publisher that each reader must be able to hear, or else all the others given for it."""
         self._choices.append((publisher, others))
+
+    def watch_source(self, subscription: Any, producer: str) -> None:
+        """Adds a subscription that must have found its publisher: until then what is sent to it is lost."""
+        self._sources.append((subscription, producer))
 
     def watch_stranger(self, subscription: Any, instead_of: str) -> None:
         """Adds a subscription whose publisher may be anybody's."""
@@ -73,6 +78,9 @@ class Barrier:
             absent = self._absent_readers(publisher, readers)
             if absent:
                 missing.append(f"{', '.join(absent)} to listen to {publisher.topic_name}")
+        for subscription, name in self._sources:
+            if subscription.get_publisher_count() == 0:
+                missing.append(f"{name} to be found at {subscription.topic_name}")
         for subscription, name in self._strangers:
             if subscription.get_publisher_count() == 0:
                 missing.append(f"a publisher of {subscription.topic_name} (instead of {name})")

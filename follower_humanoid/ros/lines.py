@@ -50,7 +50,8 @@ class Mouth:
         """
         if len(data) > LARGEST:
             raise ValueError(f"a message of {len(data)} bytes: valid: up to {LARGEST}")
-        if self.open and (self.flush() or not self._push(data)):
+        left = self.flush()
+        if self.open and (left or not self._push(data)):
             self.lost += len(self._late) == self._late.maxlen
             self._late.append(data)
 

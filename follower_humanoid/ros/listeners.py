@@ -40,8 +40,8 @@ class Listeners:
     def _find(self, count: int, hearers: frozenset[str]) -> bool:
         if count == 0 or not hearers:
             return count > 0
+        # The number is known before the names: who has none yet is a stranger.
         namespace = self._node.get_namespace()
-        return any(
-            info.node_name not in hearers or info.node_namespace != namespace
-            for info in self._node.get_subscriptions_info_by_topic(self._publisher.topic_name)
-        )
+        infos = self._node.get_subscriptions_info_by_topic(self._publisher.topic_name)
+        known = [i for i in infos if i.node_name in hearers and i.node_namespace == namespace]
+        return count > len(known)

@@ -77,7 +77,9 @@ class Outlet:
         self._sent = 0
         self._heard: dict[str, Any] = {}
         self._absent_heard = False
-        hearers = self._lines.hearers
+        # Where a node was left out somebody may take its place at any moment: it is not looked for first.
+        readers = {name for topic in self._envelope.topics for name in expected_readers(topic, NODES)}
+        hearers = self._lines.hearers if readers <= set(node.present) else frozenset
         self._sealed_listeners = Listeners(node, self._sealed, hearers)
         self._slow_listeners = None if self._slow is None else Listeners(node, self._slow, hearers)
         # What people publish simulator and recorder hear by its name too, and need only from others.

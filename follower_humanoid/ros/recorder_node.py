@@ -148,7 +148,7 @@ class RecorderNode(ManagedNode):
 
     def _look_for_simulator(self) -> None:
         """Ends the node when there have been states and nobody is left to send any."""
-        if self._taps is None or self._recording is None:
+        if self._taps is None or self._recording is None or self._writer is None:  # or all was cleaned up
             return
         self._taps.look_for_strangers()
         if self._recording.latest_stamp is None or self._taps.has_simulator():
