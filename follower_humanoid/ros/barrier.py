@@ -24,7 +24,7 @@ from follower_humanoid.ros.validation import MessageError
 
 READY = "graph/ready"
 RESET = "graph/reset"
-_STRANGERS_TIME = 1.0  # s
+_STRANGERS_TIME = 2.0  # s
 
 
 def expected_readers(topic: str, present: Collection[str]) -> frozenset[str]:
