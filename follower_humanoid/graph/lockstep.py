@@ -16,10 +16,11 @@ and from there on nobody waits for what it publishes. With its next message it i
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import cast
 
 from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.graph.lockstep_input import Input
 from follower_humanoid.graph.wiring import (
     PRODUCER,
     SIMULATOR,
@@ -33,42 +34,6 @@ CLOCK = "clock"
 STALE = 0.5  # simulated time for which a stranger's newest message is held [s]
 _FAR_AHEAD = 100  # ticks; no lock-stepped stranger runs that far ahead
 _FURTHEST = 2500  # ticks that a node may fall behind in real time and still catch up
-
-
-@dataclass(slots=True)
-class _Input:
-    """Samples of one input, or of several that come in one piece, kept until no step can need them."""
-
-    topics: tuple[str, ...]
-    producer: str
-    period: int
-    at_once: bool  # True where the message of a tick is used at that tick; even a stranger is waited for
-    foreign: bool
-    awaited: int | None = None
-    samples: dict[int, object] = field(default_factory=dict)
-    held: bool = False
-    held_since: int = 0
-    newest: object = None
-    begins: int = 0  # first tick since its node came back
-    left: int | None = None  # first tick without its node
-
-    @property
-    def missing(self) -> bool:
-        if self.awaited is None or self.held or self.awaited in self.samples:
-            return False
-        return self.begins <= self.awaited and (self.left is None or self.awaited < self.left)
-
-    def value(self, held_from: int) -> object:
-        """What a step uses; a held message only if it came at tick `held_from` or later."""
-        if self.held:
-            return self.newest if self.held_since >= held_from else None
-        return None if self.awaited is None else self.samples.get(self.awaited)
-
-    def forget(self, before: int) -> None:
-        """Drops what no step needs any more; the newest is kept for the case that a stranger falls silent."""
-        old = [tick for tick in self.samples if tick < before]
-        for tick in sorted(old) if len(old) > 1 else old:
-            self.newest = self.samples.pop(tick)
 
 
 @dataclass(frozen=True)
@@ -126,7 +91,7 @@ class LockStep:
         names = dict.fromkeys(topics or node.inputs.values())
         self._inputs = {name: self._input(name, present) for name in names}
         if hears_clock(node, present):
-            self._inputs[CLOCK] = _Input((CLOCK,), SIMULATOR, 1, at_once=True, foreign=False)
+            self._inputs[CLOCK] = Input((CLOCK,), SIMULATOR, 1, at_once=True, foreign=False)
         self._entries = list(self._inputs.values())
         self._some_held = any(entry.held for entry in self._entries)
         self._await()
@@ -147,10 +112,10 @@ class LockStep:
         self._count_missing()
 
     @staticmethod
-    def _input(topic: str, present: Collection[str]) -> _Input:
+    def _input(topic: str, present: Collection[str]) -> Input:
         producer = PRODUCER[topic]
         foreign = producer.name not in present
-        made = _Input((topic,), producer.name, producer.period, is_same_tick(topic), foreign)
+        made = Input((topic,), producer.name, producer.period, is_same_tick(topic), foreign)
         made.held = foreign and is_optional(topic)
         return made
 
@@ -255,7 +220,7 @@ class LockStep:
                 self._hold(entry, entry.newest)
         return given_up
 
-    def _come_back(self, entry: _Input, tick: int, sample: object) -> bool:
+    def _come_back(self, entry: Input, tick: int, sample: object) -> bool:
         """A message from a node that has left: of before that, or the first of those to come."""
         entry.samples[tick] = sample
         if entry.left is not None and tick >= entry.left:
@@ -285,7 +250,7 @@ class LockStep:
             entry.newest = None
         self._await()
 
-    def _hold(self, entry: _Input, sample: object) -> bool:
+    def _hold(self, entry: Input, sample: object) -> bool:
         was_missing = entry.missing
         entry.held, entry.held_since, entry.newest = True, self.tick, sample
         self._some_held = True

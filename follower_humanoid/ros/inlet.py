@@ -80,11 +80,11 @@ class Inlet:
             subscription = node.make_subscription(UInt8MultiArray, topic, deliver, qos)
             receive = partial(self._receive_envelope, reader, topics)
             missing = partial(node.lock.waits_for, topics[0])
-            if line is None:
-                barrier.watch_source(subscription, producer)
             if line is not None:
                 self.mailbox.add_line(line, subscription, receive, missing)
-            elif node.bus is None:  # several nodes in one process must not wait for one another's messages
+                continue
+            barrier.watch_source(subscription, producer)
+            if node.bus is None:  # several nodes in one process must not wait for one another's messages
                 self.mailbox.add(subscription, receive, missing)
         BORN_WITH.hear_only(node.wiring.name, self._by_envelope)
         for topic in self._by_topic:

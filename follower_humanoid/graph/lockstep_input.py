@@ -1,0 +1,42 @@
+"""What a lock-stepped node keeps of one of its inputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(slots=True)
+class Input:
+    """Samples of one input, or of several that come in one piece, kept until no step can need them."""
+
+    topics: tuple[str, ...]
+    producer: str
+    period: int
+    at_once: bool  # True where the message of a tick is used at that tick; even a stranger is waited for
+    foreign: bool
+    awaited: int | None = None
+    samples: dict[int, object] = field(default_factory=dict)
+    held: bool = False
+    held_since: int = 0
+    newest: object = None
+    begins: int = 0  # first tick since its node came back
+    left: int | None = None  # first tick without its node
+
+    @property
+    def missing(self) -> bool:
+        """Whether its message is waited for."""
+        if self.awaited is None or self.held or self.awaited in self.samples:
+            return False
+        return self.begins <= self.awaited and (self.left is None or self.awaited < self.left)
+
+    def value(self, held_from: int) -> object:
+        """What a step uses; a held message only if it came at tick `held_from` or later."""
+        if self.held:
+            return self.newest if self.held_since >= held_from else None
+        return None if self.awaited is None else self.samples.get(self.awaited)
+
+    def forget(self, before: int) -> None:
+        """Drops what no step needs any more; the newest is kept for the case that a stranger falls silent."""
+        old = [tick for tick in self.samples if tick < before]
+        for tick in sorted(old) if len(old) > 1 else old:
+            self.newest = self.samples.pop(tick)
