@@ -18,19 +18,21 @@ import json
 import random
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_sensor_data
 from rclpy.task import Future
 from rclpy.utilities import try_shutdown
 
 from follower_humanoid.faults.forgeries import FORGED, Forger, unusable_for_people
 from follower_humanoid.faults.hostile_services import Operator
+from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.barrier import READY
 from follower_humanoid.ros.director import reports_in
 from follower_humanoid.ros.formats import PEOPLE
@@ -40,8 +42,8 @@ from follower_humanoid.ros.spin import start_ros
 
 _POOL = 2000  # different messages per topic
 _BURST = 500
-_LAST_REPORT = 1.5  # wall time for the nodes' last word on it [s]
-_DISCOVERY = 1.0  # s
+_DISCOVERY = 3.0  # wall time to learn who is there, and for them to learn of the neighbour [s]
+_PATIENCE = 20.0  # wall time that the graph gets to find the neighbour, and to report [s]
 
 
 class Neighbour:
@@ -68,6 +70,30 @@ class Neighbour:
         """Handles what has come."""
         self._executor.spin_until_future_complete(until or Future(), timeout_sec=seconds)
 
+    def spin_until(self, condition: Callable[[], bool]) -> None:
+        """Handles what comes until the condition is true, or patience is at an end."""
+        end = time.monotonic() + _PATIENCE
+        while not condition() and time.monotonic() < end:
+            self.spin(0.05)
+
+    def find(self, publishers: Iterable[Publisher]) -> None:
+        """Waits until all who are there to hear them do."""
+        waiting = [(publisher, publisher.topic_name) for publisher in publishers]
+        self.spin(_DISCOVERY)
+        self.spin_until(
+            lambda: all(
+                publisher.get_subscription_count() >= self.node.count_subscribers(topic)
+                for publisher, topic in waiting
+            )
+        )
+
+    def hear_all(self) -> None:
+        """Waits until each node that has ever reported does so again."""
+        self.spin_until(lambda: SIMULATOR in self.reports)
+        known = set(self.reports)
+        self.reports.clear()
+        self.spin_until(lambda: known <= set(self.reports))
+
     def close(self) -> None:
         """Leaves."""
         self._executor.shutdown()
@@ -82,7 +108,7 @@ def flood_people(neighbour: Neighbour, count: int, rng: random.Random) -> int:
         messages, kind = unusable_for_people(topic, _POOL, rng)
         publishers = [neighbour.node.create_publisher(kind, topic, qos_profile_sensor_data) for _ in range(2)]
         senders.append((publishers, messages))
-    neighbour.spin(_DISCOVERY)
+    neighbour.find(publisher for publishers, _ in senders for publisher in publishers)
     for number in range(count):
         for publishers, messages in senders:
             publishers[rng.randrange(2)].publish(messages[rng.randrange(_POOL)])
@@ -102,7 +128,7 @@ def flood_nodes(neighbour: Neighbour, count: int, rng: random.Random) -> int:
         for name in names
     }
     forger.listen(neighbour.node)
-    neighbour.spin(_DISCOVERY)
+    neighbour.find(publishers.values())
     for number in range(count):
         name = names[rng.randrange(len(names))]
         try:
@@ -122,13 +148,12 @@ def main(args: Sequence[str]) -> int:
     accepted: list[str] = []
     begin = time.monotonic()
     if kind == "services":
-        neighbour.spin(_DISCOVERY)
-        operator = Operator(neighbour.node, lambda future: neighbour.spin(20.0, future), rng)
+        operator = Operator(neighbour.node, lambda future: neighbour.spin(_PATIENCE, future), rng)
         sent, accepted = operator.trouble(count)
     else:
         sent = (flood_people if kind == "people" else flood_nodes)(neighbour, count, rng)
     seconds = time.monotonic() - begin
-    neighbour.spin(_LAST_REPORT)
+    neighbour.hear_all()
     told = {"sent": sent, "seconds": seconds, "rate": sent / seconds, "accepted": accepted[:5]}
     print(json.dumps({**told, "reports": neighbour.reports}), flush=True)
     neighbour.close()
