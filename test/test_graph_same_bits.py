@@ -39,20 +39,21 @@ def hogs():
         process.wait()
 
 
-def joint_hash(listener, *options):
-    told = listener.run(TICK, "--leader", "fig4", "--duration", f"{TICK * TICKS:g}", *options)
+def joint_hash(listener, *options, **how):
+    told = listener.run(TICK, "--leader", "fig4", "--duration", f"{TICK * TICKS:g}", *options, **how)
     return told.values["simulator"]["joint_hash"]
 
 
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
 def test_without_a_recorder_beside_others_that_want_the_cores(listener, chain, hogs, placement):
-    assert joint_hash(listener, "--bag", "none", *placement) == chain
+    assert joint_hash(listener, *placement) == chain
 
 
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
 def test_in_real_time(listener, chain, placement):
-    assert joint_hash(listener, "--bag", "none", "--realtime", *placement) == chain
+    assert joint_hash(listener, "--realtime", *placement) == chain
 
 
-def test_with_a_recorder(listener, chain, tmp_path):
-    assert joint_hash(listener, "--bag", str(tmp_path / "bag")) == chain
+@pytest.mark.parametrize("placement", [[], ["--composed"]])
+def test_with_a_recorder(listener, chain, placement):
+    assert joint_hash(listener, *placement, recorded=True) == chain

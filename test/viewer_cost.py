@@ -140,7 +140,7 @@ def free_port() -> int:
 
 
 def run(listener: Listener, pages: tuple[int, int] | None, seconds: float) -> Run:
-    options = ["--composed", "--leader", "fig4", "--bag", "none", "--duration", f"{seconds:g}"]
+    options = ["--composed", "--leader", "fig4", "--duration", f"{seconds:g}"]
     if pages is None:
         return Run(listener.run(TICK, *options), 0.0, 0)
     port = free_port()

@@ -59,14 +59,21 @@ class Listener:
         start_ros(["--ros-args"])
         self._director = Director()
 
-    def run(self, tick: float, *options: str) -> Placed:
+    def run(self, tick: float, *options: str, recorded: bool = False) -> Placed:
         """Runs bringup with these options to its end; again where the last diagnostics were not heard.
+
+        Args:
+            tick: Control tick [s].
+            options: Of bringup, all but `--bag`.
+            recorded: Whether a bag is written, which nobody keeps.
 
         Raises:
             FollowerError: It did not end well.
         """
         for _ in range(_ATTEMPTS):
-            placed = self._run(tick, *options)
+            with tempfile.TemporaryDirectory() as folder:  # a bag is never written over another one
+                bag = str(Path(folder) / "bag") if recorded else "none"
+                placed = self._run(tick, *options, "--bag", bag)
             if placed is not None:
                 return placed
         raise FollowerError(f"bringup {' '.join(options)}: the simulator's last diagnostics were not heard")

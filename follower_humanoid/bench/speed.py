@@ -5,11 +5,9 @@ Everything is a ratio to bare physics, measured in the same run: kinds of run ta
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -59,13 +57,13 @@ def measure(seconds: float, repeats: int, say: Callable[[str], None]) -> Costs:
             costs.bare.append(tape.play())
             costs.chain.append(_run_chain(ticks, costs))
             for name, placement in PLACEMENTS.items():
-                placed = listener.run(TICK, *options, "--bag", "none", *placement)
+                placed = listener.run(TICK, *options, *placement)
                 costs.placed.setdefault(name, []).append(placed)
-                recorded = _run_recorded(listener, *options, *placement)
+                recorded = listener.run(TICK, *options, *placement, recorded=True)
                 costs.recorded.setdefault(name, []).append(recorded)
         say("in real time")
         for name, placement in PLACEMENTS.items():
-            costs.paced[name] = listener.run(TICK, *options, "--bag", "none", "--realtime", *placement)
+            costs.paced[name] = listener.run(TICK, *options, "--realtime", *placement)
     finally:
         listener.close()
     return costs
@@ -102,11 +100,6 @@ def _clocked(name: str, call: Callable[..., Any], spent: dict[str, float]) -> Ca
             spent[name] += time.process_time() - before
 
     return clocked
-
-
-def _run_recorded(listener: Listener, *options: str) -> Placed:
-    with tempfile.TemporaryDirectory() as folder:
-        return listener.run(TICK, *options, "--bag", str(Path(folder) / "bag"))
 
 
 def checks(costs: Costs) -> Iterator[Check]:
