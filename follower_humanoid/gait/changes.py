@@ -88,13 +88,17 @@ def between(old: Gait, new: Gait, part: float) -> Gait:
 
 
 class GaitChanges:
-    """The walking parameters that the walk uses, on their way to those asked for."""
+    """The walking parameters that the walk uses, on their way to those asked for.
+
+    Attributes:
+        used: Those that it uses.
+    """
 
     def __init__(self, config: ChangesConfig, gait: Gait, preview: float) -> None:
         """`preview`: how far ahead the planned DCM looks [s]."""
         self._config = config
         self._preview = preview
-        self._used = gait
+        self.used = gait
 
     def step(self, wanted: Gait, walker: Walker, dcm: Array, room: ZmpRoom) -> Gait:
         """One tick.
@@ -108,12 +112,12 @@ class GaitChanges:
         Returns:
             Walking parameters to be used now.
         """
-        if wanted != self._used:
-            self._used = self._within_reach(wanted, walker, dcm, room)
-        return self._used
+        if wanted != self.used:
+            self.used = self._within_reach(wanted, walker, dcm, room)
+        return self.used
 
     def _within_reach(self, wanted: Gait, walker: Walker, dcm: Array, room: ZmpRoom) -> Gait:
-        used, half = self._used, walker.half_step
+        used, half = self.used, walker.half_step
         switched = (wanted.walk_speed > 0.0) != (used.walk_speed > 0.0)
         if half is None or not self._config.eased or walker.gives_up(wanted):
             return wanted
@@ -136,7 +140,7 @@ class GaitChanges:
         effort = walker.swing_effort(gait)
         if all(wanted <= limit for wanted, limit in zip(effort, limits, strict=True)):
             return True
-        now = walker.swing_effort(self._used)
+        now = walker.swing_effort(self.used)
         return all(wanted <= max(limit, old) for wanted, limit, old in zip(effort, limits, now, strict=True))
 
     def _strain(self, gait: Gait, walker: Walker, support: Array, dcm: Array, room: ZmpRoom) -> float:

@@ -56,6 +56,8 @@ class ReferenceMotion:
 
     def within_reach(self, wanted: Gait) -> Gait:
         """Of the walking parameters asked for, what the walk can follow in this tick."""
+        if wanted == self._changes.used:  # as nearly always: what a change may cost need not be known
+            return self._changes.used
         config, ik = self._config, self.body.ik
         omega = natural_frequency(float(ik.com[2]))
         dcm = self.pendulum.state.dcm + omega * momentum_shift(ik.angular_momentum, self._mass)

@@ -1,0 +1,81 @@
+"""Whether a graph is slower while a page is open: `python test/viewer_turns.py [SECONDS] [PAGES] [BRINGUP OPTIONS]`.
+
+One run of fig. 4 with `--view`, in which pages are opened and closed every five reports: so open and closed meet
+the same load of the machine, whose speed differs more from run to run than by what is looked for. Prints the wall
+time per tick with and without pages, the median of what the simulator reported, and their ratio.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from viewer_cost import Visit, free_port
+
+from follower_humanoid.resources import node_command
+
+REPORTS = 5  # of the simulator, one a second, between opening and closing
+
+
+def ticks(options: Sequence[str], port: int) -> Iterator[tuple[float, int]]:
+    """Wall time and tick of every report of a run."""
+    heard: list[tuple[float, int]] = []
+
+    def hear(message: DiagnosticArray) -> None:
+        for status in message.status:
+            values = {pair.key: pair.value for pair in status.values}
+            if status.name.endswith("simulator") and int(values.get("tick", 0)) > 0:
+                heard.append((time.monotonic(), int(values["tick"])))
+
+    rclpy.init()
+    node = rclpy.create_node("onlooker")
+    node.create_subscription(DiagnosticArray, "/diagnostics", hear, 10)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "viewer.yaml"
+        file.write_text(f"viewer: {{ros__parameters: {{port: {port}}}}}\n")
+        words = [*node_command("bringup"), *options, "--view", "--params", str(file)]
+        process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
+        try:
+            while process.poll() is None:
+                rclpy.spin_once(node, timeout_sec=0.1)
+                yield from heard
+                heard.clear()
+        finally:
+            process.terminate()
+            process.wait()
+    rclpy.shutdown()
+
+
+def main() -> int:
+    seconds, pages = float((*sys.argv[1:], 60)[0]), int((*sys.argv[1:], 0, 1)[1] or 1)
+    options = ["--leader", "fig4", "--bag", "none", "--duration", f"{seconds:g}", *sys.argv[3:]]
+    port = free_port()
+    times: dict[bool, list[float]] = {False: [], True: []}
+    is_open, reports = False, 0
+    with ExitStack() as stack:
+        for (before, first), (after, last) in pairwise(ticks(options, port)):
+            reports += 1
+            if reports > 1 and last > first:  # the first one has seen both
+                times[is_open].append((after - before) / (last - first))
+            if reports > REPORTS:
+                is_open, reports = not is_open, 0
+                stack.pop_all().close()
+                for _ in range(pages if is_open else 0):
+                    stack.callback(Visit(port, True).close)
+    for state, name in ((False, "closed"), (True, "open")):
+        print(f"{name}: {median(times[state]) * 1e6:.0f} µs a tick, {len(times[state])} reports")
+    print(f"ratio {median(times[True]) / median(times[False]):.3f}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
