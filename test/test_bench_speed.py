@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from follower_humanoid.bench.growth import Course, _walk
-from follower_humanoid.bench.placement import Placed, memory_of_children
+from follower_humanoid.bench.placement import Placed, cpu_of_children, memory_of_children
 from follower_humanoid.bench.speed import messaging_share
 from follower_humanoid.bench.tape import Tape
 from follower_humanoid.core.yaml_file import read_yaml
@@ -44,6 +44,7 @@ def test_memory_is_told_of_the_processes_that_one_has_started():
     process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     try:
         assert memory_of_children(os.getpid())["-c"] > 0
+        assert cpu_of_children(os.getpid()) >= 0.0
     finally:
         process.kill()
         process.wait()
@@ -54,9 +55,11 @@ def test_a_course_knows_its_pace_and_its_memory():
     for second in range(101):
         course.simulated.append(float(second))
         course.wall.append(2.0 * second if second <= 50 else 100.0 + 4.0 * (second - 50))
+        course.cpu.append(2.0 * second if second <= 50 else 100.0 + 3.0 * (second - 50))
         course.memory.append(100 if second < 60 else 110)
-    assert course.pace(0.0, 0.5) == pytest.approx(2.0)
-    assert course.pace(0.5, 1.0) == pytest.approx(4.0)
+    assert course.pace(course.wall, 0.0, 0.5) == pytest.approx(2.0)
+    assert course.pace(course.wall, 0.5, 1.0) == pytest.approx(4.0)
+    assert course.slower_at_the_end() == pytest.approx(1.5)
     assert course.memory_since(10.0) == pytest.approx(1.1)
     assert course.memory_since(60.0) == pytest.approx(1.0)
 

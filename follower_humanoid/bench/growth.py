@@ -14,7 +14,7 @@ from statistics import median
 from typing import IO
 
 from follower_humanoid.bench.check import Check, at_most
-from follower_humanoid.bench.placement import memory_of_children
+from follower_humanoid.bench.placement import cpu_of_children, memory_of_children
 from follower_humanoid.errors import FollowerError
 from follower_humanoid.resources import node_command
 
@@ -32,25 +32,34 @@ class Course:
 
     Attributes:
         wall: Wall time [s] of each look.
+        cpu: Processor time that its processes have used by then [s].
         simulated: Simulated time then [s].
         memory: All its processes' proportional share of memory then [bytes].
     """
 
     wall: list[float] = field(default_factory=list)
+    cpu: list[float] = field(default_factory=list)
     simulated: list[float] = field(default_factory=list)
     memory: list[int] = field(default_factory=list)
 
-    def pace(self, begin: float, end: float) -> float:
-        """Wall time per simulated time between two shares of the run, 0…1."""
+    def pace(self, clock: list[float], begin: float, end: float) -> float:
+        """Time of a clock, `wall` or `cpu`, per simulated time between two shares of the run, 0…1."""
         last = self.simulated[-1]
         inside = [
-            (w, s)
-            for w, s in zip(self.wall, self.simulated, strict=True)
+            (t, s)
+            for t, s in zip(clock, self.simulated, strict=True)
             if begin * last <= s <= end * last and s > 0.0
         ]
         if len(inside) < 2 or inside[-1][1] == inside[0][1]:
             raise FollowerError(f"a run of {last:g} s is too short to see how it goes on")
         return (inside[-1][0] - inside[0][0]) / (inside[-1][1] - inside[0][1])
+
+    def slower_at_the_end(self) -> float:
+        """Processor time per tick in the last fifth of the run over that near its beginning.
+
+        Wall time would tell as much about what else the machine does.
+        """
+        return self.pace(self.cpu, 0.8, 1.0) / self.pace(self.cpu, 0.1, 0.3)
 
     def memory_since(self, simulated: float) -> float:
         """Memory at the end over that at a simulated time [s]."""
@@ -107,11 +116,12 @@ def _walk(seconds: float) -> str:
 
 
 def _look(pid: int, file: IO[str], course: Course) -> None:
-    memory = sum(memory_of_children(pid).values())
+    memory, cpu = sum(memory_of_children(pid).values()), cpu_of_children(pid)
     file.seek(0)
     times = _LINE.findall(file.read())
     if times and memory and (not course.simulated or float(times[-1]) > course.simulated[-1]):
         course.wall.append(time.monotonic())
+        course.cpu.append(cpu)
         course.simulated.append(float(times[-1]))
         course.memory.append(memory)
 
@@ -119,7 +129,8 @@ def _look(pid: int, file: IO[str], course: Course) -> None:
 def measure(brief: bool, say: Callable[[str], None]) -> tuple[list[str], list[Check]]:
     """Lines of the table, and required against measured."""
     followers = FOLLOWERS[:2] if brief else FOLLOWERS
-    lines = [f"  {'followers':>10}{'minutes':>9}{'wall s per s':>14}{'first tenth = 1':>17}{'memory MB':>11}"]
+    titles = ("followers", "minutes", "wall s per s", "CPU s per s", "end / begin", "memory MB")
+    lines = ["".join(f"{title:>14}" for title in titles)]
     checks: list[Check] = []
     pace_of: dict[int, float] = {}
     plan = [(n, 0.5 if brief else float(MINUTES[0])) for n in followers]
@@ -127,13 +138,15 @@ def measure(brief: bool, say: Callable[[str], None]) -> tuple[list[str], list[Ch
     for count, minutes in plan:
         say(f"{count} for {minutes:g} min")
         courses = run(count, minutes * 60.0)
-        pace = median(course.pace(0.1, 1.0) for course in courses)
-        growth = median(course.pace(0.8, 1.0) / course.pace(0.1, 0.3) for course in courses)
+        pace = median(course.pace(course.wall, 0.1, 1.0) for course in courses)
+        used = median(course.pace(course.cpu, 0.1, 1.0) for course in courses)
+        growth = median(course.slower_at_the_end() for course in courses)
         memory = sum(course.memory[-1] for course in courses) / 1e6
-        lines.append(f"  {count:>10}{minutes:>9g}{pace:>14.2f}{growth:>17.2f}{memory:>11.0f}")
+        lines.append(f"{count:>14}{minutes:>14g}{pace:>14.2f}{used:>14.2f}{growth:>14.2f}{memory:>14.0f}")
         pace_of.setdefault(count, pace)
         if minutes * 60.0 > 2.0 * _SETTLED:
-            checks.append(at_most(f"{minutes:g} min: time per tick, end over beginning", growth, _FLAT))
+            what = f"{minutes:g} min: processor time per tick, end over beginning"
+            checks.append(at_most(what, growth, _FLAT))
             kept = max(course.memory_since(_SETTLED) for course in courses)
             checks.append(at_most(f"{minutes:g} min: memory, end over first minute", kept, _MEMORY))
     cores = len(os.sched_getaffinity(0))

@@ -144,6 +144,23 @@ def memory_of_children(parent: int) -> dict[str, int]:
     return found
 
 
+def cpu_of_children(parent: int) -> float:
+    """Processor time that the processes which a process has started have used [s]."""
+    used = 0
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and _parent(entry) == parent:
+                used += sum(map(int, _stat(entry)[11:13]))
+        except (OSError, IndexError, ValueError):  # gone meanwhile
+            continue
+    return used / os.sysconf("SC_CLK_TCK")
+
+
+def _stat(entry: Path) -> list[str]:
+    """What `/proc/PID/stat` says after the process's name: state, parent, ..."""
+    return (entry / "stat").read_text().rpartition(")")[2].split()
+
+
 def _parent(entry: Path) -> int:
-    """Process id of the parent, from `/proc/PID/stat`."""
-    return int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+    """Process id of the parent."""
+    return int(_stat(entry)[1])
