@@ -1,9 +1,9 @@
 """Whether a graph is slower while a page is open: `python test/viewer_turns.py [SECONDS] [PAGES] [OPTIONS]`.
 
-OPTIONS are bringup's. One run of fig. 4 with `--view`, in which pages are opened and closed every five reports:
-so open and closed meet the same load of the machine, whose speed differs more from run to run than by what is
-looked for. Prints the wall time per tick with and without pages, the median of what the simulator reported,
-and their ratio.
+OPTIONS are bringup's. One run of fig. 4 with `--view`, in which pages are opened and closed every five
+reports: so open and closed meet the same load of the machine, whose speed differs more from run to run than
+by what is looked for. Prints the wall time per tick with and without pages, the median of what the simulator
+reported, and their ratio.
 """
 
 from __future__ import annotations
