@@ -22,7 +22,7 @@ DISTRIBUTION = "jazzy"
 LIBRARY = "follower_humanoid"
 URDF_ATTACHMENT = "robot.urdf"
 ABOUT_METADATA = "follower_humanoid"
-_FLUSH_NS = 1_000_000_000
+_FLUSH_NS = 200_000_000  # wall time of which a recorder that is killed may take the messages with it
 
 
 @dataclass(frozen=True)
