@@ -20,6 +20,8 @@ from follower_humanoid.robot.model import BASE_DOF, Indices
 # Pinocchio's joint 1 is the free-flyer; joint n > 1 is actuated joint n − 2.
 FIRST_ACTUATED = 2
 Triple = tuple[float, float, float]
+# Bullet's names for kinds of bodies, in its collision filter.
+_DYNAMIC, _STATIC = 1, 2
 # Of what PyBullet says about a joint.
 _ANGLE, _RATE = itemgetter(0), itemgetter(1)
 
@@ -125,6 +127,9 @@ class BulletRobot:
                 maxJointVelocity=1e4, lateralFriction=world.ground.friction, restitution=0.0,
                 physicsClientId=client,
             )  # fmt: skip
+        for link in range(count):
+            # Links pass through each other, but Bullet would list every two that are near, and sort the list.
+            pybullet.setCollisionFilterGroupMask(self.body, link, _DYNAMIC, _STATIC, physicsClientId=client)
         # Bullet's default velocity motors would hold the joints.
         pybullet.setJointMotorControlArray(
             self.body, self._driven, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(self._driven),
