@@ -20,14 +20,19 @@ def spin(motor, voltage, inertia, seconds, step=STEP):
     """Speeds of 45 free flywheels of some inertia [kg·m²] on the output side."""
     speed, history = np.zeros(45), []
     for _ in range(round(seconds / step)):
-        motor.begin(np.full(45, voltage))
-        effective = inertia + motor.inertia + step * motor.damping
-        acceleration = (motor.drive - motor.damping * speed) / effective
-        speed = speed + step * acceleration
+        torque = np.zeros(45)
+        motor.begin(np.full(45, voltage), speed, torque)
+        acceleration = torque / (inertia + motor.inertia + step * motor.damping)
         torque = motor.finish(acceleration, speed)
+        speed = speed + step * acceleration
         assert torque == pytest.approx(inertia * acceleration)  # what reaches the flywheel turns it
         history.append(speed.copy())
     return np.array(history)
+
+
+def begin(motor, voltage):
+    """A step at rest."""
+    motor.begin(np.full(45, voltage), np.zeros(45), np.zeros(45))
 
 
 def test_no_load_speed():
@@ -50,7 +55,7 @@ def test_current_rises_with_the_electrical_time_constant():
     motor = motors(step, inductance=henry)
     currents = []
     for _ in range(1000):
-        motor.begin(np.full(45, 6.08))
+        begin(motor, 6.08)
         motor.finish(np.zeros(45), np.zeros(45))  # stalled
         currents.append(motor.current[KNEE])
     time = step * np.arange(1, 1001)
@@ -66,15 +71,15 @@ def test_inductance_matters_only_for_some_milliseconds():
 
 def test_voltage_is_limited():
     motor = motors()
-    motor.begin(np.full(45, 1000.0))
+    begin(motor, 1000.0)
     assert motor.voltage == pytest.approx(np.full(45, 48.0))
-    motor.begin(np.full(45, -1000.0))
+    begin(motor, -1000.0)
     assert motor.voltage == pytest.approx(np.full(45, -48.0))
 
 
 def test_stall_torque():
     motor = motors(inductance=0.0)
-    motor.begin(np.full(45, 48.0))
+    begin(motor, 48.0)
     torque = motor.finish(np.zeros(45), np.zeros(45))
     assert torque[KNEE] == pytest.approx(50 * 0.0934 / 0.608 * 48.0)
     assert torque[TOE] == pytest.approx(20 * 0.0934 / 0.608 * 48.0)

@@ -111,14 +111,16 @@ def test_points_land_where_they_touch_and_their_trial_is_a_spring_and_a_damper(r
     points[4:, 2] = 0.01
     twists, velocity = np.asfortranarray(random.normal(size=(6, 51))), 0.01 * random.normal(size=51)
     carries, below = np.ones((POINTS, COLUMNS), dtype=bool), np.zeros(POINTS, dtype=bool)
+    at_origin, carriers, placed = np.eye(4, 3)[np.newaxis], np.zeros(POINTS, dtype=int), np.zeros((POINTS, 3))
     below[0] = True  # lay on the ground already, 1 mm from its anchor
     anchor = points + np.array([0.001, 0.0, 0.0])
     jacobian, rate, trial = np.zeros((POINTS, 3, COLUMNS)), np.zeros((POINTS, 3)), np.zeros((POINTS, 3))
     slip, pressing, sticking = np.zeros((POINTS, 2)), below.copy(), below.copy()
     touching = sole_forces.begin(
-        -points[:, 2], points, twists, carries, velocity, STIFFNESS, 100.0, FRICTION, below, anchor,
-        jacobian, rate, trial, slip, pressing, sticking,
+        at_origin, carriers, points, twists, carries, velocity, STIFFNESS, 100.0, FRICTION, placed, below,
+        anchor, jacobian, rate, trial, slip, pressing, sticking,
     )  # fmt: skip
+    assert np.array_equal(placed, points)
     assert touching and np.flatnonzero(below).tolist() == [0, 1, 2, 3]
     assert np.array_equal(anchor[1:4], points[1:4])
     twist = twists[:, :COLUMNS] @ velocity[:COLUMNS]

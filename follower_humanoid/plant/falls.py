@@ -28,6 +28,7 @@ class FallWatch:
 
     LOWEST_SHARE = 0.60
     LARGEST_TILT = math.radians(45.0)
+    _LEAST_UPRIGHT = math.cos(LARGEST_TILT)
 
     def __init__(self, standing_height: float) -> None:
         """`standing_height` is base_link's height at time 0 [m]."""
@@ -45,8 +46,9 @@ class FallWatch:
         height = float(plant.q[2])
         if height < self._lowest:
             return f"base_link at {height:.2f} m, below {self._lowest:.2f} m"
-        if plant.rotation[2, 2] < math.cos(self.LARGEST_TILT):
-            tilt = math.degrees(math.acos(max(-1.0, float(plant.rotation[2, 2]))))
+        upright = float(plant.rotation[2, 2])
+        if upright < self._LEAST_UPRIGHT:
+            tilt = math.degrees(math.acos(max(-1.0, upright)))
             return f"tilted by {tilt:.0f}°"
         link = plant.world.link_on_ground(plant.bullet.body)
         if link is not None:

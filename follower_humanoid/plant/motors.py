@@ -53,13 +53,14 @@ PAPER_MOTORS = replace(
 
 @kernel(
     "void(float64[::1], float64[::1], float64, float64, float64, float64[::1], float64[::1], float64[::1], "
-    "float64[::1])"
+    "float64[::1], float64[::1], float64[::1], float64[::1])"
 )
 def _begin(
     voltage: Array, current: Array, limit: float, keep: float, current_per_volt: float,
-    torque_per_current: Array, clipped: Array, open_current: Array, drive: Array,
+    torque_per_current: Array, damping: Array, velocity: Array,
+    clipped: Array, open_current: Array, drive: Array, forces: Array,
 ) -> None:  # fmt: skip
-    """Writes what is known before q̈ is: the voltage that acts, (u + L i/h)/Z and τ_u.
+    """Writes what is known before q̈ is: the voltage that acts, (u + L i/h)/Z and τ_u; adds τ_u − D q̇.
 
     Args:
         voltage, current: u, i.
@@ -67,33 +68,30 @@ def _begin(
         keep: L/h.
         current_per_volt: 1/Z.
         torque_per_current: N C_m.
+        damping, velocity: D, q̇.
         clipped, open_current, drive: Written.
+        forces: Changed.
     """
     for n in range(voltage.shape[0]):
         clipped[n] = max(min(voltage[n], limit), -limit)
         open_current[n] = (current[n] * keep + clipped[n]) * current_per_volt
         drive[n] = open_current[n] * torque_per_current[n]
-
-
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1])")
-def _add_to(velocity: Array, drive: Array, damping: Array, forces: Array) -> None:
-    """Adds τ_u − D q̇ to the forces."""
-    for n in range(drive.shape[0]):
         forces[n] += drive[n] - damping[n] * velocity[n]
 
 
 @kernel(
-    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], "
-    "float64[::1], float64[::1])"
+    "void(float64[::1], float64[::1], float64, float64[::1], float64[::1], float64[::1], float64[::1], "
+    "float64[::1], float64[::1], float64[::1])"
 )
 def _finish(
-    acceleration: Array, end_velocity: Array, open_current: Array, drive: Array, current_per_velocity: Array,
-    damping: Array, inertia: Array, current: Array, torque: Array,
+    acceleration: Array, velocity: Array, step: float, open_current: Array, drive: Array,
+    current_per_velocity: Array, damping: Array, inertia: Array, current: Array, torque: Array,
 ) -> None:  # fmt: skip
     """Writes current and torque at the end of a step: i = open − (N C_e/Z) q̇⁺, eq. (13) with q̇⁺ and q̈."""
     for n in range(drive.shape[0]):
-        current[n] = open_current[n] - current_per_velocity[n] * end_velocity[n]
-        torque[n] = drive[n] - damping[n] * end_velocity[n] - inertia[n] * acceleration[n]
+        end_velocity = velocity[n] + step * acceleration[n]
+        current[n] = open_current[n] - current_per_velocity[n] * end_velocity
+        torque[n] = drive[n] - damping[n] * end_velocity - inertia[n] * acceleration[n]
 
 
 class Motors:
@@ -112,6 +110,7 @@ class Motors:
         motor = config.chosen()
         toe = np.array(["toe" in name for name in robot.joint_names])
         gear = np.where(toe, motor.toe_gear, motor.gear)
+        self._step = step
         self._keep = motor.inductance / step
         impedance = motor.resistance + self._keep
         self.voltage_limit = motor.voltage_limit
@@ -132,27 +131,30 @@ class Motors:
         self.current[:] = torque / self.torque_per_current
         self.voltage[:] = self.resistance * self.current
 
-    def begin(self, voltage: Array) -> None:
-        """Takes the voltages of this step, shape (45,) [V], clipped to the limit."""
+    def begin(self, voltage: Array, velocity: Array, forces: Array) -> None:
+        """Begins a step: adds the torque at q̈ = 0, τ_u − D q̇, to the joints' forces.
+
+        Args:
+            voltage: Of this step, clipped to the limit, shape (45,) [V].
+            velocity: Joint velocity, shape (45,) [rad/s].
+            forces: Changed, shape (45,) [N·m].
+        """
         _begin(
             voltage, self.current, self.voltage_limit, self._keep, self.current_per_volt,
-            self.torque_per_current, self.voltage, self._open_current, self.drive,
+            self.torque_per_current, self.damping, velocity,
+            self.voltage, self._open_current, self.drive, forces,
         )  # fmt: skip
 
-    def add_to(self, velocity: Array, forces: Array) -> None:
-        """Adds the torque at q̈ = 0, τ_u − D q̇, to the joints' forces, shapes (45,)."""
-        _add_to(velocity, self.drive, self.damping, forces)
-
-    def finish(self, acceleration: Array, end_velocity: Array) -> Array:
+    def finish(self, acceleration: Array, velocity: Array) -> Array:
         """Ends the step: updates the currents, returns eq. (13)'s torque on the joints, (45,) [N·m].
 
         Args:
             acceleration: Joint acceleration of this step, shape (45,) [rad/s²].
-            end_velocity: Joint velocity at its end, shape (45,) [rad/s].
+            velocity: Joint velocity at its beginning, shape (45,) [rad/s].
         """
         torque = np.empty(len(self.drive))
         _finish(
-            acceleration, end_velocity, self._open_current, self.drive, self.current_per_velocity,
+            acceleration, velocity, self._step, self._open_current, self.drive, self.current_per_velocity,
             self.damping, self.inertia, self.current, torque,
         )  # fmt: skip
         return torque

@@ -49,6 +49,7 @@ class RobotPlant:
             step began.
         joint_poses, world_jacobian: Views of them: a `pose_table`, shape (n, 4, 3), and shape (6, 51).
         bullet: The body in PyBullet; its `q` (52,) and `v` (51,) are the state, as in `RobotModel`.
+        joint_position, joint_velocity: Views of the state, shape (45,) [rad, rad/s].
         soles, motors, stops: What acts between robot and world, and in its joints.
         acceleration: Solution of the last step, shape (51,).
         effort: Eq. (13)'s torque of the last step, shape (45,) [N·m]; a new array in every step.
@@ -87,7 +88,7 @@ class RobotPlant:
         self.bullet = self._body(urdf, fixed_trunk)
         self._sole_links = [self.bullet.link(joint) for joint in self.soles.joints]
         self.q, self.v = self.bullet.q, self.bullet.v
-        self._angle, self._rate = self.q[7:], self.v[BASE_DOF:]  # they are renewed in place
+        self.joint_position, self.joint_velocity = self.q[7:], self.v[BASE_DOF:]
         self.acceleration = np.zeros(self.model.nv)
         self.effort = np.zeros(len(robot.joint_names))
         self.time = 0.0
@@ -147,14 +148,13 @@ class RobotPlant:
         Raises:
             PhysicsError: The state left the finite numbers.
         """
-        h, model, data, q, rate = self._step, self.model, self.data, self.q, self._rate
+        model, data, q, rate = self.model, self.data, self.q, self.joint_velocity
         self.renew_dynamics()
         free = -self._forces_at_rest
-        self.motors.begin(voltage)
-        self.motors.add_to(rate, free[BASE_DOF:])
+        self.motors.begin(voltage, rate, free[BASE_DOF:])
         places = [self._add_pull(pull, free) for pull in pulls]
         on_ground = not self._held.size and self.soles.begin(self.world_jacobian, self.v)
-        on_stop = self.stops.begin(self._angle, rate)
+        on_stop = self.stops.begin(self.joint_position, rate)
         for passes in range(1, MAX_PASSES + 1):
             if passes > 1:  # the contact of the pass before is in the mass matrix
                 pin.crba(model, data, q, pin.Convention.WORLD)
@@ -175,14 +175,13 @@ class RobotPlant:
         self.settled = settled
         if self._held.size:
             qdd[self._held] = 0.0
-        joint_acceleration = qdd[BASE_DOF:]
-        self.effort = self.motors.finish(joint_acceleration, rate + h * joint_acceleration)
+        self.effort = self.motors.finish(qdd[BASE_DOF:], rate)
         self.acceleration = qdd
         if on_ground:
             self.soles.commit(settled)
         self._apply(pulls, places)
         self.world.step()
-        self.time += h
+        self.time += self._step
         self.bullet.read()
         if not self.bullet.finite:
             self._complain(free)

@@ -151,7 +151,7 @@ class Simulator:
 
     def _rest(self) -> None:
         for drives in self._drives:
-            drives.start(self.plant.q[7:], self.plant.motors.voltage)
+            drives.start(self.plant.joint_position, self.plant.motors.voltage)
         for place in self._places:
             place.let_go()
         self._sensors.at_rest()
@@ -191,7 +191,7 @@ class Simulator:
         for group, (drives, command) in enumerate(zip(self._drives, (inputs.legs, inputs.arms), strict=True)):
             if group >= self._commanded:
                 drives.receive(command)
-            drives.write(plant.q[7:], plant.v[6:], self._voltage)
+            drives.write(plant.joint_position, plant.joint_velocity, self._voltage)
         given = (inputs.leader_left, inputs.leader_right, inputs.push)
         # Turned into world once: what is noted as applied is then exactly what acts in every step.
         taken = [place.take(wrench) for place, wrench in zip(self._places, given, strict=True)]
@@ -202,7 +202,7 @@ class Simulator:
         for step in range(self._steps):
             for drives in self._drives:
                 if step > 0 and drives.holding:
-                    drives.write(plant.q[7:], plant.v[6:], self._voltage)
+                    drives.write(plant.joint_position, plant.joint_velocity, self._voltage)
             pulls = held if self._board is None else (*held, *self._board.pulls())
             sensors.before_step()
             plant.step(self._voltage, pulls)

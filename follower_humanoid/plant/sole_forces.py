@@ -26,6 +26,9 @@ Flags = NDArray[np.bool_]
 # How far friction may be from the cone (share, and [N]) before a step is solved again.
 CONE_SHARE, CONE_FORCE = 0.01, 0.2
 
+# Height of the ground in world [m]: the plane that `world.Ground` describes.
+GROUND = 0.0
+
 
 @kernel("void(float64[:,:,::1], int64[::1], float64[:,::1], float64[:,::1])")
 def place(poses: Array, joints: Indices, local: Array, points: Array) -> None:
@@ -83,45 +86,45 @@ def slide(friction: float, normal: float, spring_x: float, spring_y: float, slip
 
 
 @kernel(
-    "boolean(float64[::1], float64[:,::1], float64[::1,:], boolean[:,::1], float64[::1], "
-    "float64, float64, float64, boolean[::1], float64[:,::1], float64[:,:,::1], float64[:,::1], "
-    "float64[:,::1], float64[:,::1], boolean[::1], boolean[::1])"
+    "boolean(float64[:,:,::1], int64[::1], float64[:,::1], float64[::1,:], boolean[:,::1], float64[::1], "
+    "float64, float64, float64, float64[:,::1], boolean[::1], float64[:,::1], float64[:,:,::1], "
+    "float64[:,::1], float64[:,::1], float64[:,::1], boolean[::1], boolean[::1])"
 )
 def begin(
-    depth: Array, points: Array, twists: Array, carries: Flags, velocity: Array,
-    stiffness: float, loss: float, friction: float, below: Flags, anchor: Array, jacobian: Array,
-    rate: Array, trial: Array, slip: Array, pressing: Flags, sticking: Flags,
+    poses: Array, joints: Indices, local: Array, twists: Array, carries: Flags, velocity: Array,
+    stiffness: float, loss: float, friction: float, points: Array, below: Flags, anchor: Array,
+    jacobian: Array, rate: Array, trial: Array, slip: Array, pressing: Flags, sticking: Flags,
 ) -> bool:  # fmt: skip
-    """Trial forces and states of the points below ground; True if there are any.
+    """Places the points; trial forces and states of those below ground; True if there are any.
 
     Args:
-        depth: Below ground, (n,).
-        points: In world, (n, 3).
+        poses, joints, local: See `place`.
         twists: World Jacobian, (6, ≥ columns).
         carries: True where a column moves a point, (n, columns).
         velocity: q̇, (≥ columns,).
         stiffness: k.
         loss: d + h k.
         friction: μ.
+        points: Written: in world, (n, 3).
         below: In: which points were below ground before; out: which are, (n,).
         anchor: Renewed of the points that land, (n, 3).
         jacobian, rate, trial, slip: Written where below, (n, 3, columns), (n, 3), (n, 3), (n, 2).
         pressing, sticking: Written, (n,).
     """
+    place(poses, joints, local, points)
     touching = False
-    for n in range(depth.shape[0]):
+    for n in range(points.shape[0]):
         pressing[n] = sticking[n] = False
-        landed = depth[n] > 0.0 and not below[n]
-        below[n] = depth[n] > 0.0
+        was_below, below[n] = below[n], points[n, 2] < GROUND
         if not below[n]:
             continue
         touching = True
-        if landed:
+        if not was_below:
             anchor[n] = points[n]
         point_jacobian(points[n], twists, carries[n], jacobian[n])
         along(jacobian[n], velocity, rate[n])
         for axis in range(3):
-            stretch = -depth[n] if axis == 2 else points[n, axis] - anchor[n, axis]
+            stretch = points[n, axis] - (GROUND if axis == 2 else anchor[n, axis])
             trial[n, axis] = -loss * rate[n, axis] - stiffness * stretch
         x, y, normal = trial[n, 0], trial[n, 1], trial[n, 2]
         pressing[n] = normal > 0.0

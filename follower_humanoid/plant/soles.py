@@ -55,9 +55,10 @@ class Soles:
             ground: What they stand on.
             step: Physics step [s].
         """
-        self._k, self._d, self._step = config.stiffness, config.damping, step
+        self._k, self._step = config.stiffness, step
+        self._loss = config.damping + step * config.stiffness
         self._c = step * step * config.stiffness + step * config.damping
-        self._ground = ground
+        self._friction = ground.friction
         names = [f"{side.prefix}_contact_{n}" for side in SIDES for n in range(1, PER_FOOT + 1)]
         frames = [robot.pin_model.frames[robot.frame_id(name)] for name in names]
         self.joints = [int(frame.parentJoint) for frame in frames]
@@ -94,17 +95,14 @@ class Soles:
                     carries[point, BASE_DOF + support - 2] = True
         return carries
 
-    def _locate(self) -> None:
-        sole_forces.place(self._poses, self._carriers, self._local, self.points)
-
     def settle(self, normal: Array) -> None:
         """Static contact without friction force: anchors the points where they are.
 
         Args:
             normal: Vertical force that each point carries, shape (12,) [N].
         """
-        self._locate()
-        self._below[:] = self._ground.depth(self.points) > 0.0
+        sole_forces.place(self._poses, self._carriers, self._local, self.points)
+        self._below[:] = self.points[:, 2] < sole_forces.GROUND
         self._anchor[:] = self.points
         self.force.fill(0.0)
         self.force[:, 2] = normal
@@ -117,11 +115,10 @@ class Soles:
             jacobian: World-frame joint Jacobian, shape (6, 51).
             velocity: Shape (51,).
         """
-        self._locate()
         self.touching = sole_forces.begin(
-            self._ground.depth(self.points), self.points, jacobian, self._carries, velocity,
-            self._k, self._d + self._step * self._k, self._ground.friction, self._below, self._anchor,
-            self._jacobian, self._rate, self._trial, self._slip, self._pressing, self._sticking,
+            self._poses, self._carriers, self._local, jacobian, self._carries, velocity,
+            self._k, self._loss, self._friction, self.points, self._below,
+            self._anchor, self._jacobian, self._rate, self._trial, self._slip, self._pressing, self._sticking,
         )  # fmt: skip
         if not self.touching:
             self.force.fill(0.0)
@@ -141,7 +138,7 @@ class Soles:
             acceleration: Solution of the step, shape (51,).
         """
         return sole_forces.finish(
-            self._jacobian, acceleration, self._trial, self._start, self._gain, self._ground.friction,
+            self._jacobian, acceleration, self._trial, self._start, self._gain, self._friction,
             self._c, self._change, self.force, self._slip, self._pressing, self._sticking,
         )  # fmt: skip
 
@@ -152,7 +149,7 @@ class Soles:
             settled: False if solving again did not settle; what violates the cone is then clipped.
         """
         if not settled:
-            sole_forces.clip(self._ground.friction, self.force)
+            sole_forces.clip(self._friction, self.force)
         sole_forces.follow(
             self.points, self._rate, self._change, self.force, self._pressing, self._sticking,
             self._step, self._k, self._anchor,

@@ -27,7 +27,7 @@ class GroundConfig:
 
 
 class Ground:
-    """Shape of the ground: the plane z = 0. The one place that knows it.
+    """The ground: the plane z = 0 of world, on which gravity need not be normal.
 
     Attributes:
         friction: Coulomb coefficient.
@@ -35,15 +35,10 @@ class Ground:
     """
 
     def __init__(self, config: GroundConfig) -> None:
-        """A plane, on which gravity need not be normal."""
+        """A plane that falls ahead by the slope."""
         self.friction = config.friction
         ahead, down = math.sin(config.slope), math.cos(config.slope)
         self.gravity: Array = np.array([GRAVITY * ahead, 0.0, -GRAVITY * down])
-
-    def depth(self, points: Array) -> Array:
-        """How far below the ground points in world are, shape (n, 3) → (n,) [m]; negative above."""
-        below: Array = -points[:, 2]
-        return below
 
 
 class World:
