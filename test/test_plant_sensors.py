@@ -1,5 +1,7 @@
 """Foot wrenches, wrist sensors, IMU: they balance the motion; errors are seeded."""
 
+import dataclasses
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -16,6 +18,7 @@ from plant_bench import (
 )  # fmt: skip
 
 from follower_humanoid.core.samples import Wrench
+from follower_humanoid.plant.sensor_errors import SensorConfig, SensorErrors
 from follower_humanoid.robot.model import GRAVITY
 
 
@@ -208,6 +211,23 @@ def test_biases_add_to_the_truth():
     assert biased.left_wrist.force - plain.left_wrist.force == pytest.approx([1.0, -2.0, 0.5])
     assert biased.right_wrist.force == pytest.approx(plain.right_wrist.force)
     assert biased.imu.linear_acceleration[0] - plain.imu.linear_acceleration[0] == pytest.approx(0.1)
+
+
+def test_sensors_are_exact_until_any_of_their_errors_is_asked_for():
+    assert not SensorErrors(SensorConfig(seed=5)).any
+    for error in (entry.name for entry in dataclasses.fields(SensorConfig) if entry.name != "seed"):
+        size = (0.0, 0.0, 1e-3) if error.endswith("_bias") else 1e-3
+        assert SensorErrors(SensorConfig(**{error: size})).any, error
+
+
+def test_an_error_that_nobody_asked_for_leaves_a_reading_as_it_is():
+    """Only one hand has a bias: every other reading goes through the errors unchanged, bit for bit."""
+    plain = plant_from({}).observe()
+    biased = plant_from({"sensors.left_wrist_bias": (1.0, 0.0, 0.0)}).observe()
+    for name in ("joints", "odometry", "imu", "left_foot", "right_foot", "right_wrist"):
+        exact, found = getattr(plain, name), getattr(biased, name)
+        for entry in dataclasses.fields(exact):
+            assert np.array_equal(getattr(exact, entry.name), getattr(found, entry.name)), (name, entry.name)
 
 
 def test_only_the_plant_knows_its_own_masses():

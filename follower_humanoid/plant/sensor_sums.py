@@ -178,11 +178,11 @@ def mean_wrenches(
         feet: Sums of the wrenches on the feet about the world's origin, in world, (2, 6).
         wrists: Sums at and in the wrists' joints, (2, 6).
         count: How many steps they are sums of.
-        means: Written: force and torque of left and right foot, left and right wrist, (4, 2, 3).
+        means: Written: forces, then torques of left and right foot, left and right wrist, (2, 4, 3).
     """
     for foot in range(2):
         seen_from(
-            poses[joints[foot]], axes[foot], offsets[foot], feet[foot], count, means[foot, 0], means[foot, 1]
+            poses[joints[foot]], axes[foot], offsets[foot], feet[foot], count, means[0, foot], means[1, foot]
         )
         for n in range(6):
-            means[2 + foot, n // 3, n % 3] = wrists[foot, n] / count
+            means[n // 3, 2 + foot, n % 3] = wrists[foot, n] / count

@@ -18,7 +18,8 @@ from follower_humanoid.plant.motors import MotorConfig
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
 from follower_humanoid.plant.pull_limits import PullLimiter, PullLimits
 from follower_humanoid.plant.robot_plant import RobotPlant
-from follower_humanoid.plant.sensors import SensorConfig, Sensors
+from follower_humanoid.plant.sensor_errors import SensorConfig
+from follower_humanoid.plant.sensors import Sensors
 from follower_humanoid.plant.soles import SoleConfig
 from follower_humanoid.plant.standing import StandingConfig
 from follower_humanoid.plant.stops import StopConfig
