@@ -172,8 +172,8 @@ class RunRecorder:
         self._joint_names = joint_names
         self._urdf = urdf
         self._about = dict(about or {})
-        self._ticks: dict[str, list[int]] = {name: [] for name in TOPICS}
-        self._samples: dict[str, list[Sample]] = {name: [] for name in TOPICS}
+        # Topic → ticks and samples, in the order of time.
+        self._kept: dict[str, tuple[list[int], list[Sample]]] = {name: ([], []) for name in TOPICS}
         self._adjusted: list[Adjusted] = []
         self._holding: list[Holding] = []
 
@@ -191,8 +191,9 @@ class RunRecorder:
         Raises:
             KeyError: No such topic.
         """
-        self._ticks[topic].append(tick)
-        self._samples[topic].append(sample)
+        ticks, samples = self._kept[topic]
+        ticks.append(tick)
+        samples.append(sample)
 
     def close(self) -> None:
         """Nothing more comes; a recorder that writes ends its file."""
@@ -201,9 +202,9 @@ class RunRecorder:
         """The run so far, stacked."""
         tick_ns = round(self._tick * NANOSECONDS)
         series = {}
-        for name, collected in self._samples.items():
+        for name, (kept, collected) in self._kept.items():
             if collected:
-                ticks = np.array(self._ticks[name], dtype=np.int64)
+                ticks = np.array(kept, dtype=np.int64)
                 series[name] = stacked(TOPICS[name], ticks, ticks * tick_ns, collected)
         return Run(
             self._tick, self._joint_names, self._urdf, series, self._about, notes,

@@ -217,7 +217,7 @@ class Repetition(Chain):
             self.recorder.hold(self._holding[self.tick])
         for topic, samples in self._foreign.items():
             if self.tick in samples:
-                self._flow[topic][self.tick] = samples[self.tick]
+                self._flow.setdefault(self.tick, {})[topic] = samples[self.tick]
                 self.recorder.add(topic, self.tick, samples[self.tick])
         if self.tick + 1 in self._recorded.resets:
             self._reset()
@@ -237,8 +237,7 @@ class Repetition(Chain):
         """The robot stands at the next tick, everyone else is new and knows nothing from before."""
         self.publish_state()
         self.simulator.reset()
-        for flow in self._flow.values():
-            flow.clear()
+        self._flow.clear()
         self.components = {
             node.name: self.simulator if node.name == SIMULATOR else self._make(node) for node in self.nodes
         }

@@ -24,33 +24,35 @@ from follower_humanoid.robot.model import RobotModel
 TICK = 0.002
 Parameters = Mapping[str, Mapping[str, Any]]
 Interference = Callable[[str, int, Any], Any]
+Samples = Mapping[str, Any]  # by topic
+
+_PERIODS = frozenset(node.period for node in PRODUCER.values())
+# Ticks for which a sample may be of use: to the end of the period after the one it was made in.
+_KEPT = 2 * max(_PERIODS)
 
 
 class _Wires:
     """What flows to and from a node, looked up once.
 
     Attributes:
-        outputs: Of each output its name, its topic and the samples of that topic by tick.
+        outputs: Name and topic of each output.
     """
 
-    def __init__(self, node: NodeWiring, flow: Mapping[str, dict[int, Any]]) -> None:
-        """`flow`: topic → tick → sample."""
+    def __init__(self, node: NodeWiring) -> None:
+        """The wires of one node of the table."""
         self._class = node.component_class().Inputs
-        # Of each input, in their order, the samples of its topic by tick, and the period of who makes them;
-        # 0 if what comes at a tick is used at that tick. Nothing comes to an input that is not wired.
-        self._sources: list[tuple[dict[int, Any], int]] = []
+        # Of each input, in their order, the topic and the period of who makes it; 0 if what comes at a tick
+        # is used at that tick. Nothing comes to an input that is not wired.
+        self._sources: list[tuple[str, int]] = []
         for name in self._class.__match_args__:
-            topic = node.inputs.get(name)
-            same_tick = topic is None or is_same_tick(topic)
-            samples = {} if topic is None else flow[topic]
-            self._sources.append((samples, 0 if same_tick else PRODUCER[str(topic)].period))
-        self._periods = {period for _, period in self._sources}
-        self.outputs = [(name, topic, flow[topic]) for name, topic in node.outputs.items()]
+            topic = node.inputs.get(name, "")
+            same_tick = not topic or is_same_tick(topic)
+            self._sources.append((topic, 0 if same_tick else PRODUCER[topic].period))
+        self.outputs = tuple(node.outputs.items())
 
-    def inputs(self, tick: int) -> Any:
-        """What the node uses at a tick."""
-        used = {period: last_period(tick, period) if period else tick for period in self._periods}
-        return self._class(*[samples.get(used[period]) for samples, period in self._sources])
+    def inputs(self, used: Mapping[int, Samples]) -> Any:
+        """What the node uses at a tick. Args: the samples used of those made with each period."""
+        return self._class(*[used[period].get(topic) for topic, period in self._sources])
 
 
 class Chain:
@@ -83,8 +85,9 @@ class Chain:
         self.nodes = [node for node in nodes_with(more).values() if node.name not in without]
         self.components = {node.name: self._make(node) for node in self.nodes}
         self.simulator = self.components[SIMULATOR]
-        self._flow: dict[str, dict[int, Any]] = {topic: {} for topic in PRODUCER}
-        self._wires = {node.name: _Wires(node, self._flow) for node in self.nodes}
+        self._flow: dict[int, dict[str, Any]] = {}  # tick → topic → sample
+        self._used: dict[int, Samples] = {}  # period of their makers, or 0 → samples used at this tick
+        self._wires = {node.name: _Wires(node) for node in self.nodes}
         self.recorder = RunRecorder(tick, self.robot.joint_names, self.robot.urdf)
         self.tick = 0
         gc.freeze()  # what exists now stays: collections during the run need not look at it again
@@ -92,6 +95,7 @@ class Chain:
     def advance(self) -> None:
         """One control tick: state, references, commands, physics."""
         tick, time = self.tick, self.tick * self.tick_length
+        self._look_back()
         simulator = NODES[SIMULATOR]
         self._publish(simulator, self.simulator.observe())
         for node in self.nodes:
@@ -129,20 +133,26 @@ class Chain:
         """Whether a node takes no step at this tick and has nothing to say."""
         return False
 
+    def _look_back(self) -> None:
+        """Finds the samples that are used at this tick, and forgets those that no longer are."""
+        tick, flow = self.tick, self._flow
+        self._used = {period: flow.get(last_period(tick, period), {}) for period in _PERIODS}
+        self._used[0] = flow.setdefault(tick, {})
+        flow.pop(tick - _KEPT, None)
+
     def _inputs(self, node: NodeWiring) -> Any:
-        return self._wires[node.name].inputs(self.tick)
+        return self._wires[node.name].inputs(self._used)
 
     def _publish(self, node: NodeWiring, outputs: Any) -> None:
-        tick, no_longer_used = self.tick, self.tick - 2 * node.period
-        for name, topic, samples in self._wires[node.name].outputs:
+        tick, interference, record = self.tick, self._interference, self.recorder.add
+        samples = self._flow.setdefault(tick, {})
+        for name, topic in self._wires[node.name].outputs:
             sample = getattr(outputs, name)
-            if self._interference is not None:
-                sample = self._interference(topic, tick, sample)
-            samples.pop(no_longer_used, None)
-            if sample is None:
-                continue
-            samples[tick] = sample
-            self.recorder.add(topic, tick, sample)
+            if interference is not None:
+                sample = interference(topic, tick, sample)
+            if sample is not None:
+                samples[topic] = sample
+                record(topic, tick, sample)
 
 
 def simulate(
