@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 from follower_humanoid.robot.model import GRAVITY
-from follower_humanoid.sensing.hand_state import SHAPE, external_wrench, hand_state
+from follower_humanoid.sensing.hand_state import SHAPE, external_wrench, follow_hands, hand_state
 
 PERIOD = 0.002
 
@@ -91,3 +91,29 @@ def test_the_wrench_of_a_tick_is_the_mean_of_transports_at_both_ends(random):
         expected += np.r_[up, np.cross(arm, up)] / 2
     external_wrench(before, now, reading.vector, weight, PERIOD, found)
     assert found == pytest.approx(expected, rel=1e-10)
+
+
+def test_both_hands_follow_tick_by_tick_from_rest_and_through_the_filter(random):
+    hands, joints, share, weights = [Hand(random), Hand(random)], np.array([3, 1]), 0.3, []
+    for hand in hands:
+        hand.constants = (hand.inertia.mass, hand.inertia.lever, hand.inertia.inertia, table(hand.wrist))
+        weights.append(hand.inertia.mass * GRAVITY)
+    constants = [np.array(values) for values in zip(*(hand.constants for hand in hands), strict=True)]
+    grippers = np.array([hand.gripper for hand in hands])
+    states, filtered = np.full((2, *SHAPE), np.nan), np.full((2, 6), np.nan)
+    before, expected = None, None
+    for tick in range(4):
+        poses, twists = [pin.SE3.Random() for _ in range(5)], [pin.Motion.Random(), pin.Motion.Random()]
+        readings = random.normal(size=(4, 3))
+        now = [h.state(poses[j], twist) for h, j, twist in zip(hands, joints, twists, strict=True)]
+        sample = np.zeros((2, 6))
+        for n, reading in enumerate(readings.reshape(2, 6)):
+            external_wrench((before or now)[n], now[n], reading, weights[n], PERIOD, sample[n])
+        expected = sample if expected is None else expected + share * (sample - expected)
+        before = now
+        follow_hands(
+            np.array([table(pose) for pose in poses]), joints, twists[0].vector, twists[1].vector,
+            *constants, grippers, *readings, GRAVITY, PERIOD, share, tick == 0, states, filtered,
+        )  # fmt: skip
+        np.testing.assert_array_equal(states, now)
+        np.testing.assert_array_equal(filtered, expected)

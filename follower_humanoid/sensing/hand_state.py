@@ -13,6 +13,7 @@ import numpy as np
 
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
+from follower_humanoid.robot.model import Indices
 
 SHAPE = (8, 3)
 
@@ -118,3 +119,45 @@ def external_wrench(
         wrench[n] = wrench[3 + n] = 0.0
     add_share(before, reference, reading, 0.5 * weight, -1.0 / period, wrench)
     add_share(now, reference, reading, 0.5 * weight, 1.0 / period, wrench)
+
+
+@kernel(
+    "void(float64[:,:,::1], intp[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], "
+    "float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:], float64[:], float64[:], float64[:], "
+    "float64, float64, float64, boolean, float64[:,:,::1], float64[:,::1])"
+)
+def follow_hands(
+    poses: Array, joints: Indices, left_twist: Array, right_twist: Array, masses: Array, centers: Array,
+    inertias: Array, wrists: Array, grippers: Array,
+    left_force: Array, left_torque: Array, right_force: Array, right_torque: Array,
+    gravity: float, period: float, share: float, first: bool, states: Array, filtered: Array,
+) -> None:  # fmt: skip
+    """One tick of both hands, left first, after forward kinematics.
+
+    Args:
+        poses: Of all joints in world, (joints, 4, 3).
+        joints: Which carry the hands, (2,).
+        left_twist, right_twist: Of the hands, at and in the axes of their joints, (6,).
+        masses, centers, inertias, wrists, grippers: As for `hand_state`, (2, …).
+        left_force, left_torque, right_force, right_torque: Readings, at and in the wrist frames, (3,).
+        gravity, period: g and Δt.
+        share: Of the low-pass, see `filter_share`.
+        first: There was no tick before: the hands rest, and the first wrench passes unfiltered.
+        states: Of the hands at the last tick, (2, 8, 3); moves on to this one.
+        filtered: Low-passed external wrenches, (2, 6); moves on.
+    """
+    now, reading, sample = np.empty(SHAPE), np.empty(6), np.empty(6)
+    for hand in range(2):
+        twist = left_twist if hand == 0 else right_twist
+        reading[:3] = left_force if hand == 0 else right_force
+        reading[3:] = left_torque if hand == 0 else right_torque
+        hand_state(
+            poses[joints[hand]], twist, masses[hand], centers[hand], inertias[hand], wrists[hand],
+            grippers[hand], now,
+        )  # fmt: skip
+        before = now if first else states[hand]
+        external_wrench(before, now, reading, masses[hand] * gravity, period, sample)
+        for n in range(6):
+            rise = share * (sample[n] - filtered[hand, n])
+            filtered[hand, n] = sample[n] if first else filtered[hand, n] + rise
+        states[hand] = now

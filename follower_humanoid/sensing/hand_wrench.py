@@ -19,11 +19,11 @@ import numpy as np
 import pinocchio as pin
 
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Side, Wrench
-from follower_humanoid.robot.model import GRAVITY, RobotModel
+from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Wrench
+from follower_humanoid.robot.model import GRAVITY, Indices, RobotModel
 from follower_humanoid.robot.pose_table import pose_table
-from follower_humanoid.sensing.hand_state import SHAPE, external_wrench, hand_state
-from follower_humanoid.sensing.low_pass import LowPass
+from follower_humanoid.sensing.hand_state import SHAPE, follow_hands
+from follower_humanoid.sensing.low_pass import filter_share
 
 
 @dataclass(frozen=True)
@@ -51,41 +51,41 @@ class HandWrenchOutputs(NamedTuple):
     right_hand: Wrench
 
 
-class _Hand:
-    """What the URDF says about one hand, and what the sensing remembers of it."""
+class _Hands(NamedTuple):
+    """What the URDF says about both hands, left first, in the axes of the joints that carry them.
 
-    def __init__(
-        self, robot: RobotModel, side: Side, data: pin.Data, filter_time: float, period: float
-    ) -> None:
-        model = robot.pin_model
-        wrist = model.frames[robot.frame_id(f"{side.prefix}_wrist")]
-        gripper = model.frames[robot.frame_id(f"{side.prefix}_gripper")]
-        joint = int(wrist.parentJoint)
-        hand = model.inertias[joint]
-        # Views of Pinocchio's memory: they follow the kinematics.
-        self._pose, self._twist = pose_table(data.oMi)[joint], data.v[joint].vector
-        self._wrist = np.vstack((wrist.placement.rotation.T, wrist.placement.translation))
-        self._gripper: Array = gripper.placement.translation.copy()
-        self._mass, self._center = float(hand.mass), hand.lever.copy()
-        self._inertia = np.ascontiguousarray(hand.inertia)
-        self._period = period
-        self._filter = LowPass(filter_time, period)
-        self._reading = np.zeros(6)
-        self._before: Array | None = None
+    Attributes:
+        joints: Pinocchio's ids of these joints, shape (2,).
+        masses, centers: m [kg] and CoM [m], shapes (2,), (2, 3).
+        inertias: About the CoM, shape (2, 3, 3) [kg·m²].
+        wrists: Axes (rows) and origin of the wrist frames, shape (2, 4, 3).
+        grippers: Origins of the gripper frames, shape (2, 3) [m].
+    """
 
-    def step(self, wrist: Wrench) -> Wrench:
-        """The external wrench of this tick, after forward kinematics."""
-        now = np.empty(SHAPE)
-        hand_state(
-            self._pose, self._twist, self._mass, self._center, self._inertia, self._wrist, self._gripper, now
-        )
-        before = now if self._before is None else self._before
-        self._before = now
-        np.concatenate((wrist.force, wrist.torque), out=self._reading)
-        sample = np.empty(6)
-        external_wrench(before, now, self._reading, self._mass * GRAVITY, self._period, sample)
-        external = self._filter.step(sample)
-        return Wrench(external[:3], external[3:])
+    joints: Indices
+    masses: Array
+    centers: Array
+    inertias: Array
+    wrists: Array
+    grippers: Array
+
+
+def _hands(robot: RobotModel) -> _Hands:
+    model = robot.pin_model
+    wrists, grippers = (
+        [model.frames[robot.frame_id(f"{side.prefix}_{name}")] for side in SIDES]
+        for name in ("wrist", "gripper")
+    )
+    joints = np.array([wrist.parentJoint for wrist in wrists], dtype=np.intp)
+    hands = [model.inertias[joint] for joint in joints.tolist()]
+    return _Hands(
+        joints,
+        masses=np.array([hand.mass for hand in hands]),
+        centers=np.array([hand.lever for hand in hands]),
+        inertias=np.array([hand.inertia for hand in hands]),
+        wrists=np.array([np.vstack((w.placement.rotation.T, w.placement.translation)) for w in wrists]),
+        grippers=np.array([gripper.placement.translation for gripper in grippers]),
+    )
 
 
 class HandWrenchSensing:
@@ -100,15 +100,26 @@ class HandWrenchSensing:
 
     def __init__(self, config: HandWrenchConfig, robot: RobotModel, period: float) -> None:
         self._robot = robot
-        self._data = robot.pin_model.createData()
-        self._left, self._right = (
-            _Hand(robot, side, self._data, config.filter_time, period) for side in SIDES
-        )
+        self._data = data = robot.pin_model.createData()
+        self._hands = _hands(robot)
+        # Views of Pinocchio's memory: they follow the kinematics.
+        self._poses = pose_table(data.oMi)
+        self._left_twist, self._right_twist = (data.v[joint].vector for joint in self._hands.joints.tolist())
+        self._period, self._share = period, filter_share(config.filter_time, period)
+        self._first = True
+        self._states, self._filtered = np.zeros((len(SIDES), *SHAPE)), np.zeros((len(SIDES), 6))
 
     def step(self, inputs: HandWrenchInputs, time: float) -> HandWrenchOutputs:
         """The wrenches of this tick."""
+        del time
         q, v = self._robot.state(inputs.odometry, inputs.joints)
         pin.forwardKinematics(self._robot.pin_model, self._data, q, v)
-        return HandWrenchOutputs(
-            left_hand=self._left.step(inputs.left_wrist), right_hand=self._right.step(inputs.right_wrist)
-        )
+        left, right = inputs.left_wrist, inputs.right_wrist
+        follow_hands(
+            self._poses, self._hands.joints, self._left_twist, self._right_twist, *self._hands[1:],
+            left.force, left.torque, right.force, right.torque,
+            GRAVITY, self._period, self._share, self._first, self._states, self._filtered,
+        )  # fmt: skip
+        self._first = False
+        left_hand, right_hand = self._filtered.copy()
+        return HandWrenchOutputs(Wrench(left_hand[:3], left_hand[3:]), Wrench(right_hand[:3], right_hand[3:]))

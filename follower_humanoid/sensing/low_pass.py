@@ -7,6 +7,11 @@ import math
 from follower_humanoid.core.samples import Array
 
 
+def filter_share(time_constant: float, period: float) -> float:
+    """`1 − exp(−Δt/T)`, what a sample adds of its distance: T [s], 0 = no filter; Δt between samples [s]."""
+    return 1.0 - math.exp(-period / time_constant) if time_constant > 0.0 else 1.0
+
+
 class LowPass:
     """`y' = (x − y)/T`, sampled: `y ← y + (1 − exp(−Δt/T)) (x − y)`.
 
@@ -19,7 +24,7 @@ class LowPass:
 
     def __init__(self, time_constant: float, period: float) -> None:
         """`time_constant` T [s], 0 = no filter; `period` Δt between samples [s]."""
-        self._share = 1.0 - math.exp(-period / time_constant) if time_constant > 0.0 else 1.0
+        self._share = filter_share(time_constant, period)
         self.value: Array | None = None
 
     def step(self, sample: Array) -> Array:
