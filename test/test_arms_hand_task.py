@@ -1,4 +1,4 @@
-"""Equations (17), (18) corrected: places relative to the pelvis, Jacobians, return to the place."""
+"""Places of the hands relative to the pelvis, equation (18) corrected, and Jacobians."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from follower_humanoid.control.hand_task import HandKinematics, forces_in_task_axes, return_velocity
+from follower_humanoid.control.hand_task import HandKinematics, forces_in_task_axes, unwritten_motion
 from follower_humanoid.robot.model import RobotModel
 
 
@@ -77,28 +77,6 @@ def test_translation_and_turning_of_the_body_move_no_place(robot: RobotModel) ->
     assert missed == pytest.approx(2 * radius * np.sin(np.radians(36.87) / 2)), "what (18) in print misses"
 
 
-def back(error, rate, stretch, stopped: bool = False) -> np.ndarray:
-    rows = (np.array([values], dtype=float) for values in (error, rate, stretch))
-    stiffness, limit = np.array([100.0, 100.0, 3000.0]), np.array([60.0, 60.0, 200.0])
-    return return_velocity(*rows, 0.8, 0.1, stiffness, limit, np.array([stopped]))[0]
-
-
-REST = (0.0, 0.0, 0.0)
-
-
-def test_return_velocity_leads_back() -> None:
-    shift = np.array([0.05, 0.0, -0.01])  # the hand is ahead of and below its place
-    np.testing.assert_allclose(back(-shift, REST, REST), [-0.04, 0, 0.008])
-    np.testing.assert_allclose(back(REST, (-1.0, 0.0, 0.0), REST), [-0.1, 0, 0], err_msg="moving away")
-    np.testing.assert_array_equal(back(-shift, REST, REST, stopped=True), 0.0)
-
-
-def test_return_stops_at_its_force_limit_and_lets_go_of_it() -> None:
-    # Springs at 61, 61 and 150 N; the second axis returns to where its spring is shorter.
-    found = back((-0.1, 0.1, 0.1), REST, (-0.61, -0.61, 0.05))
-    np.testing.assert_allclose(found, [0.0, 0.08, 0.08])
-
-
 def test_forces_are_turned_into_the_axes_of_the_task(robot: RobotModel) -> None:
     q, v = random_state(robot, 22)
     axes = HandKinematics(robot).motion(q, v).yaw_to_world
@@ -115,3 +93,12 @@ def test_wrench_jacobian_gives_the_power_of_a_wrench_on_the_hand(robot: RobotMod
         full = pin.computeFrameJacobian(robot.pin_model, data, q, frame, pin.LOCAL_WORLD_ALIGNED)
         arm = (robot.groups.left_arm, robot.groups.right_arm)[hand]
         np.testing.assert_allclose(found[hand], full[:, 6 + arm], atol=1e-12)
+
+
+def test_a_motion_that_is_kept_is_written_over(robot: RobotModel) -> None:
+    kinematics, kept = HandKinematics(robot), unwritten_motion()
+    for seed in (24, 25):
+        q, v = random_state(robot, seed)
+        assert kinematics.motion(q, v, kept) is kept
+        for found, expected in zip(kept, kinematics.motion(q, v), strict=True):
+            np.testing.assert_array_equal(found, expected)

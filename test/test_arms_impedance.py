@@ -10,8 +10,8 @@ from arms_bench import random_jacobians
 from follower_humanoid.control.impedance import (
     Impedance,
     impedance_acceleration,
+    joint_acceleration,
     posture_acceleration,
-    range_force,
     stop_avoidance,
 )
 from follower_humanoid.control.null_space import task_inverse
@@ -133,22 +133,23 @@ def test_null_space_term_bounds_the_self_motion_after_a_push() -> None:
         assert bool(np.abs(position).max() < 1e-4) is bounded
 
 
-def test_range_force_is_a_wall_around_the_place() -> None:
-    def wall(error: list[float], rate: list[float]) -> np.ndarray:
-        return range_force(np.array([error]), np.array([rate]), 0.12, 2000.0, 3.0)[0]
-
-    still = [0.0, 0.0, 0.0]
-    np.testing.assert_array_equal(wall(still, still), 0)
-    np.testing.assert_array_equal(wall([0.1, 0.0, 0.0], still), 0)
-    np.testing.assert_allclose(wall([-0.13, 0.0, 0.0], still), [-20, 0, 0])
-    leaving = wall([0.0, 0.13, 0.0], [0.0, 1.0, 0.0])
-    returning = wall([0.0, 0.13, 0.0], [0.0, -1.0, 0.0])
-    assert leaving[1] == pytest.approx(20 + 2 * np.sqrt(6000.0))
-    assert returning[1] == pytest.approx(20), "no pull on the way back"
-
-
 def test_stop_avoidance_pushes_inwards_and_brakes_outward_motion_only() -> None:
     lower, upper = np.full((1, 4), -1.0), np.full((1, 4), 1.0)
     position, velocity = np.array([[0.0, 1.1, -1.1, 1.1]]), np.array([[5.0, 1.0, -1.0, -1.0]])
     acceleration = stop_avoidance(position, velocity, lower, upper, 900.0, 40.0)
     np.testing.assert_allclose(acceleration, [[0, -90 - 40, 90 + 40, -90]])
+
+
+def test_everything_that_moves_the_joints_adds_up() -> None:
+    rng, jacobian = np.random.default_rng(11), random_jacobians(11)
+    inverse, inertia, force = inverse_of(jacobian), np.array([3.0, 2.0, 4.0]), rng.normal(size=(40, 3))
+    feedforward, desired, posture_error, position, velocity = rng.normal(size=(5, 40, 7))
+    lower, upper = np.full((40, 7), -0.5), np.full((40, 7), 0.5)
+    found = joint_acceleration(
+        feedforward, inertia, jacobian, *inverse, force, desired, posture_error, 100.0, 20.0,
+        position, velocity, lower, upper, 900.0, 40.0,
+    )  # fmt: skip
+    expected = feedforward + impedance_acceleration(inertia, jacobian, inverse.inverse, force)
+    expected += posture_acceleration(inverse.null, desired - velocity, posture_error, 100.0, 20.0)
+    expected += stop_avoidance(position, velocity, lower, upper, 900.0, 40.0)
+    np.testing.assert_allclose(found, expected, atol=1e-10)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms_bench import random_jacobians
 
-from follower_humanoid.control.null_space import task_inverse
+from follower_humanoid.control.null_space import TaskInverse, joint_reference, joint_velocity, task_inverse
 
 THRESHOLD, DAMPING = 0.08, 0.05
 
@@ -62,3 +62,21 @@ def test_damping_sets_in_continuously(edge: float) -> None:
     assert gain(edge + 1e-9) == pytest.approx(gain(edge - 1e-9), rel=1e-5)
     gains = [gain(sigma) for sigma in np.linspace(0, 2 * edge, 200)]
     assert np.abs(np.diff(gains)).max() < 0.4
+
+
+def test_the_joint_reference_is_made_of_inverse_velocity_and_ranges() -> None:
+    jacobian, rng = random_jacobians(4), np.random.default_rng(4)
+    position, rest = rng.normal(size=(2, len(jacobian), 7))
+    shift, velocity = rng.normal(size=(2, len(jacobian), 3))
+    lower, upper = np.full(position.shape, -1.0), np.full(position.shape, 1.0)
+    kept = TaskInverse(np.full((len(jacobian), 7, 3), np.nan), np.full((len(jacobian), 7, 7), np.nan))
+    for _ in range(2):  # what was in the memory does not matter
+        found = joint_reference(
+            jacobian, THRESHOLD, DAMPING, position, lower, upper, shift, velocity, rest, kept
+        )
+        expected = task_inverse(jacobian, THRESHOLD, DAMPING)
+        np.testing.assert_array_equal(kept.inverse, expected.inverse)
+        np.testing.assert_array_equal(kept.null, expected.null)
+        np.testing.assert_array_equal(found.velocity, joint_velocity(expected, velocity, rest))
+        moved = position + (expected.inverse @ shift[..., None])[..., 0]
+        np.testing.assert_allclose(found.position, np.clip(moved, -1.0, 1.0), atol=1e-12)

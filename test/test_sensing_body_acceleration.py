@@ -9,6 +9,7 @@ from arms_bench import TICK, Bench, bending, swaying
 
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.sensing.body_acceleration import BodyAcceleration
+from follower_humanoid.sensing.low_pass import LowPass
 
 
 @pytest.fixture(scope="module")
@@ -41,3 +42,16 @@ def test_at_rest_it_is_zero_whatever_the_tilt(robot: RobotModel) -> None:
         robot.velocity(odometry, joints.velocity), imu, pin.Quaternion(odometry.quat_xyzw).matrix()
     )
     np.testing.assert_allclose(rate, 0, atol=1e-9)
+
+
+def test_the_filter_is_a_low_pass_on_every_component(robot: RobotModel) -> None:
+    bench = Bench(robot, swaying, bending)
+    plain, filtered = BodyAcceleration(robot, TICK, 0.0), BodyAcceleration(robot, TICK, 0.01)
+    low_pass = LowPass(0.01, TICK)
+    for _ in range(20):
+        joints, odometry, imu = bench.state()
+        v = robot.velocity(odometry, joints.velocity)
+        axes = pin.Quaternion(odometry.quat_xyzw).matrix()
+        expected = low_pass.step(plain.step(v, imu, axes).copy())
+        np.testing.assert_allclose(filtered.step(v, imu, axes), expected, atol=1e-9)
+        bench.time += TICK

@@ -10,7 +10,7 @@ from follower_humanoid.control.hand_task import HandMotion
 from follower_humanoid.control.motor_inverse import MotorInverse, MotorModel
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array, Inertial, Wrench
-from follower_humanoid.robot.model import BASE_DOF, RobotModel
+from follower_humanoid.robot.model import BASE_DOF, Indices, RobotModel
 from follower_humanoid.sensing.body_acceleration import BodyAcceleration
 
 
@@ -25,64 +25,64 @@ class ArmTorque:
         self._motors = MotorInverse(motor, robot, robot.groups.arms)
         self._body_acceleration = BodyAcceleration(robot, period, filter_time)
 
-    def torque(
+    def voltage(
         self,
         q: Array,
         v: Array,
         imu: Inertial,
-        acceleration: Array,
         hands: HandMotion,
         wrenches: tuple[Wrench, Wrench],
-    ) -> Array:
-        """Joint torques of both arms by eq. (2), shape (14,) [N·m].
+        velocity: Array,
+        acceleration: Array,
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Voltages held over the tick, shape (14,) [V], and where they are cut.
 
-        Inverse dynamics of the whole body gives `H a + C q̇ + G` of the arm rows, including what
-        the measured acceleration of base and trunk does to the arms.
-        """
-        rate = self._body_acceleration.step(v, imu, hands.base_to_world)
-        rate[self._rows] = acceleration.ravel()
-        torque: Array = pin.rnea(self._robot.pin_model, self._data, q, v, rate)[self._rows]
-        left, right = wrenches
-        _take_out(hands.wrench_jacobian, left.force, left.torque, right.force, right.torque, torque)
-        return torque
-
-    def voltage(self, torque: Array, velocity: Array, acceleration: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Voltages held over the tick, and where they are cut.
+        Torques are those of eq. (2). Inverse dynamics of the whole body gives `H a + C q̇ + G` of the arm
+        rows, including what the measured acceleration of base and trunk does to the arms.
 
         The back-EMF is taken in the middle of the tick: behind a gear it changes so much within
         one that a voltage for its beginning would deliver a quarter less acceleration.
+
+        Args:
+            q, v: State of the robot.
+            imu: What it feels.
+            hands: Its hands in this state.
+            wrenches: On them, axes of world.
+            velocity, acceleration: q̇ and wanted q̈ of both arms, shape (14,) [rad/s], [rad/s²].
         """
-        motor_torque, middle = np.empty(len(torque)), np.empty(len(torque))
+        rate = self._body_acceleration.step(v, imu, hands.base_to_world)
+        rate[self._rows] = acceleration
+        forces = pin.rnea(self._robot.pin_model, self._data, q, v, rate)
+        left, right = wrenches
+        motor_torque, middle = np.empty(len(velocity)), np.empty(len(velocity))
         _motor_demand(
-            torque, velocity, acceleration, self._motors.rotor_inertia, 0.5 * self._period,
-            motor_torque, middle,
+            forces, self._rows, hands.wrench_jacobian, left.force, left.torque, right.force, right.torque,
+            velocity, acceleration, self._motors.rotor_inertia, 0.5 * self._period, motor_torque, middle,
         )  # fmt: skip
         return self._motors.voltage(motor_torque, middle)
 
 
 @kernel(
-    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1])"
+    "void(float64[::1], intp[::1], float64[:,:,::1], float64[:], float64[:], float64[:], float64[:],"
+    " float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1])"
 )
 def _motor_demand(
-    torque: Array, velocity: Array, acceleration: Array, rotor_inertia: Array, half_tick: float,
+    forces: Array, rows: Indices, jacobian: Array, left_force: Array, left_moment: Array, right_force: Array,
+    right_moment: Array, velocity: Array, acceleration: Array, rotor_inertia: Array, half_tick: float,
     motor_torque: Array, middle: Array,
 ) -> None:  # fmt: skip
-    """Writes τ + A q̈, and the velocity in the middle of the tick."""
-    for joint in range(torque.size):
-        motor_torque[joint] = torque[joint] + rotor_inertia[joint] * acceleration[joint]
-        middle[joint] = velocity[joint] + half_tick * acceleration[joint]
+    """Writes `τ + A q̈` with `τ = forces − Jᵀ (f, m)`, and the velocity in the middle of the tick.
 
-
-@kernel("void(float64[:,:,::1], float64[:], float64[:], float64[:], float64[:], float64[::1])")
-def _take_out(
-    jacobian: Array, left_force: Array, left_moment: Array, right_force: Array, right_moment: Array,
-    torque: Array,
-) -> None:  # fmt: skip
-    """`τ ← τ − Jᵀ (f, m)` for the joints of both arms, left first; J of shape (2, 6, joints)."""
+    Of the joints of both arms, left first, which are the `rows` of `forces`; J of shape (2, 6, joints).
+    """
     joints = jacobian.shape[2]
     for arm in range(2):
         force, moment = (left_force, left_moment) if arm == 0 else (right_force, right_moment)
         for joint in range(joints):
+            n = joints * arm + joint
+            torque = forces[rows[n]]
             for axis in range(3):
-                torque[joints * arm + joint] -= jacobian[arm, axis, joint] * force[axis]
-                torque[joints * arm + joint] -= jacobian[arm, 3 + axis, joint] * moment[axis]
+                torque -= jacobian[arm, axis, joint] * force[axis]
+                torque -= jacobian[arm, 3 + axis, joint] * moment[axis]
+            motor_torque[n] = torque + rotor_inertia[n] * acceleration[n]
+            middle[n] = velocity[n] + half_tick * acceleration[n]

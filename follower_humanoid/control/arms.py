@@ -26,21 +26,23 @@ from follower_humanoid.control.arm_config import ArmControllerConfig
 from follower_humanoid.control.arm_modes import COMPENSATION, IMPEDANCE, Blend, ModeSwitch
 from follower_humanoid.control.arm_torque import ArmTorque
 from follower_humanoid.control.gravity_compensation import compensation, leading_force
+from follower_humanoid.control.hand_law import HandLaw
 from follower_humanoid.control.hand_reference import GlideLimits, HandReference
 from follower_humanoid.control.hand_task import (
     HandKinematics,
     HandMotion,
     Mask,
     forces_in_task_axes,
-    return_velocity,
+    unwritten_motion,
 )
-from follower_humanoid.control.impedance import Impedance, hand_force, joint_acceleration, joints_within
+from follower_humanoid.control.impedance import Impedance, joint_acceleration
 from follower_humanoid.control.null_space import (
+    JointReference,
     TaskInverse,
-    joint_velocity,
+    joint_reference,
     limit_avoidance,
-    task_inverse,
 )
+from follower_humanoid.control.reference_acceleration import ReferenceAcceleration
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import (
     SIDES,
@@ -52,7 +54,6 @@ from follower_humanoid.core.samples import (
     Wrench,
 )
 from follower_humanoid.robot.model import RobotModel
-from follower_humanoid.sensing.low_pass import LowPass
 
 __all__ = ["ArmController", "ArmControllerConfig", "ArmControllerInputs", "ArmControllerOutputs"]
 
@@ -112,14 +113,17 @@ class ArmController:
             np.array(config.inertia), np.array(config.stiffness), config.damping_ratio
         )
         self._compensation = compensation(self._impedance.inertia, config.compensation_damping)
+        self._law = HandLaw(config, self._impedance, period)
         self._return_force = np.array(config.return_force)
         self._lower = (robot.lower[self._arms] + config.stop_margin).reshape(2, 7)
         self._upper = (robot.upper[self._arms] - config.stop_margin).reshape(2, 7)
-        self._reference_acceleration = LowPass(config.reference_filter_time, period)
+        self._reference_acceleration = ReferenceAcceleration(config.reference_filter_time, period)
         self._switch = ModeSwitch(period)
         self._modes = self._mode_report()
         self._blend = Blend(config.blend_time, period)
         self._reference: HandReference | None = None
+        self._hands = unwritten_motion()  # of the newest tick, as are the following two
+        self._inverse = TaskInverse(np.empty((2, 7, 3)), np.empty((2, 7, 7)))
 
     def reconfigure(self, config: ArmControllerConfig) -> None:
         """Takes over what may change while it runs: the mode and what decides about it."""
@@ -129,11 +133,10 @@ class ArmController:
         """The command of this tick."""
         del time
         q, v = self._robot.state(inputs.odometry, inputs.joints)
-        hands = self._kinematics.motion(q, v)
+        hands = self._kinematics.motion(q, v, self._hands)
         position = inputs.joints.position[self._arms].reshape(2, 7)
         velocity = inputs.joints.velocity[self._arms].reshape(2, 7)
         reference = self._reference = self._reference or self._first_reference(hands, position)
-        inverse = task_inverse(hands.jacobian, self._config.singular_threshold, self._config.singular_damping)
         wrenches = (inputs.left_hand or _NO_WRENCH, inputs.right_hand or _NO_WRENCH)
         felt = forces_in_task_axes(hands.yaw_to_world, wrenches[0].force, wrenches[1].force)
         if not reference.all_loaded:
@@ -150,30 +153,26 @@ class ArmController:
         if switch.anybody:
             reference.follow(switch.yielding, hands, position)
 
-        error, error_rate = reference.place - hands.place, reference.rate - hands.place_rate
-        stretch, posture_error = reference.virtual - hands.place, reference.posture - position
-        back = self._return_velocity(reference, error, error_rate, stretch)
-        desired_velocity = self._desired_velocity(back - hands.carried, inverse, position, posture_error)
-        acceleration = self._desired_acceleration(desired_velocity, reference.velocity)
-        force = self._hand_force(stretch, back - hands.place_rate, error, error_rate, felt)
+        stretch, hand_velocity, force = self._law.step(reference, hands, felt, self._stopped(reference))
         if switch.anybody:
             force = self._leading_force(force, hands, felt)
-        acceleration = acceleration + self._joint_acceleration(
-            hands, inverse, force, position, velocity, desired_velocity - velocity, posture_error
+        posture_error = reference.posture - position
+        wanted = self._joint_reference(hands, position, stretch, hand_velocity, posture_error)
+        begun_anew = switch.changed if switch.switched else None
+        acceleration = self._joint_acceleration(
+            self._reference_acceleration.step(wanted.velocity, begun_anew),
+            hands, force, wanted.velocity, posture_error, position, velocity,
+        )  # fmt: skip
+        acceleration = self._blend.step(acceleration, begun_anew)
+        voltage, saturated = self._actuation.voltage(
+            q, v, inputs.imu, hands, wrenches, velocity.reshape(-1), acceleration.reshape(-1)
         )
-        acceleration = self._blend.step(acceleration, switch.changed if switch.switched else None)
-        torque = self._actuation.torque(q, v, inputs.imu, acceleration, hands, wrenches)
-        voltage, saturated = self._actuation.voltage(torque, velocity.ravel(), acceleration.ravel())
 
-        held = joints_within(position, inverse.inverse, stretch, self._lower, self._upper)
-        reference.virtual = reference.virtual + self._period * (back - reference.rate)
         if self._config.limit_avoidance > 0.0:
-            reference.move_posture(desired_velocity)
-        reference.velocity = desired_velocity
+            reference.move_posture(wanted.velocity)
         _note_saturated(saturated, reference.saturated)
         return ArmControllerOutputs(
-            Joints(held.ravel(), desired_velocity.ravel(), voltage),
-            self._modes,
+            Joints(wanted.position.reshape(-1), wanted.velocity.reshape(-1), voltage), self._modes
         )
 
     def _first_reference(self, hands: HandMotion, position: Array) -> HandReference:
@@ -192,25 +191,17 @@ class ArmController:
         names = tuple(f"{side.value}_hand/{word}" for side, word in zip(SIDES, words, strict=True))
         return PrimitiveStates(names, (1.0, 1.0))
 
-    def _return_velocity(
-        self, reference: HandReference, error: Array, error_rate: Array, stretch: Array
-    ) -> Array:
-        """v_ref of eqs. (17), (18) with ẋ_d fed forward, shape (2, 3) [m/s]; never winds up."""
-        stopped = reference.saturated
+    def _stopped(self, reference: HandReference) -> Mask:
+        """Hands that do not return to their places, shape (2,): the springs' ends never wind up."""
         if self._switch.anybody:
-            stopped = stopped.copy()
-            stopped[self._switch.yielding] = True
-        total: Array = reference.rate + return_velocity(
-            error, error_rate, stretch,
-            self._config.return_proportional, self._config.return_differential,
-            self._impedance.stiffness, self._return_force, stopped,
-        )  # fmt: skip
-        return total
+            stopped: Mask = reference.saturated | self._switch.yielding
+            return stopped
+        return reference.saturated
 
-    def _desired_velocity(
-        self, task_velocity: Array, inverse: TaskInverse, position: Array, posture_error: Array
-    ) -> Array:
-        """q̇_d of eq. (6), shape (2, 7): back to the place, against what the body does, posture aside."""
+    def _joint_reference(
+        self, hands: HandMotion, position: Array, stretch: Array, hand_velocity: Array, posture_error: Array
+    ) -> JointReference:
+        """q̇_d of eq. (6): back to the place, against what the body does, posture aside; and q_d."""
         config = self._config
         if config.limit_avoidance > 0.0:
             posture = limit_avoidance(position, self._lower, self._upper, config.limit_avoidance)
@@ -218,45 +209,26 @@ class ArmController:
             posture = config.posture_return * posture_error
         if self._switch.anybody:
             posture = np.where(self._switch.yielding[:, None], 0.0, posture)
-        return joint_velocity(inverse, task_velocity, posture)
-
-    def _desired_acceleration(self, desired_velocity: Array, before: Array | None) -> Array:
-        """q̈_d, the low-passed derivative of q̇_d; a switch of modes is no motion."""
-        change = np.zeros_like(desired_velocity) if before is None else desired_velocity - before
-        if self._switch.switched:
-            changed = self._switch.changed
-            change[changed] = 0.0
-            if self._reference_acceleration.value is not None:
-                self._reference_acceleration.value = np.where(
-                    changed[:, None], 0.0, self._reference_acceleration.value
-                )
-        return self._reference_acceleration.step(change / self._period)
-
-    def _hand_force(
-        self, stretch: Array, stretch_rate: Array, error: Array, error_rate: Array, felt: Array
-    ) -> Array:
-        """What moves the masses H_m of hands that keep a place, task axes, shape (2, 3) [N]."""
-        wanted = self._impedance
-        return hand_force(
-            wanted.inertia, wanted.damping, wanted.stiffness, stretch, stretch_rate,
-            error, error_rate, self._config.reach, self._config.reach_stiffness, felt,
+        return joint_reference(
+            hands.jacobian, config.singular_threshold, config.singular_damping, position,
+            self._lower, self._upper, stretch, hand_velocity, posture, self._inverse,
         )  # fmt: skip
 
     def _leading_force(self, force: Array, hands: HandMotion, felt: Array) -> Array:
-        """The same for hands that are led, which have no springs; others keep `force`."""
+        """What moves hands that are led, which have no springs; others keep `force`, shape (2, 3) [N]."""
         led = self._compensation.force(np.zeros((2, 3)), -hands.place_rate)
         led += leading_force(felt, self._config.payload)
         return np.where(self._switch.yielding[:, None], led, force)
 
     def _joint_acceleration(
-        self, hands: HandMotion, inverse: TaskInverse, force: Array,
-        position: Array, velocity: Array, velocity_error: Array, posture_error: Array,
+        self, feedforward: Array, hands: HandMotion, force: Array,
+        desired_velocity: Array, posture_error: Array, position: Array, velocity: Array,
     ) -> Array:  # fmt: skip
         """Corrected eq. (8) with its null-space term, and distance from the stops, shape (2, 7) [rad/s²]."""
         config = self._config
         return joint_acceleration(
-            self._impedance.inertia, hands.jacobian, inverse.inverse, inverse.null, force,
-            velocity_error, posture_error, config.posture_stiffness, config.posture_damping,
+            feedforward, self._impedance.inertia, hands.jacobian, *self._inverse, force,
+            desired_velocity, posture_error, config.posture_stiffness, config.posture_damping,
             position, velocity, self._lower, self._upper, config.stop_stiffness, config.stop_damping,
         )  # fmt: skip
 

@@ -46,7 +46,6 @@ class HandReference:
         virtual: Place that the springs of the impedance pull to: the anchor, displaced by the
             integral of what eq. (17) adds to v_ref, shape (2, 3) [m].
         posture: q_0, shape (2, 7) [rad].
-        velocity: q̇_d of the last tick, shape (2, 7) [rad/s]; None before the first.
         saturated: Which arm has a motor at its voltage limit, shape (2,).
         all_loaded: The first wrenches of both hands have come.
     """
@@ -63,12 +62,11 @@ class HandReference:
             any_posture: A hand that has been led keeps the posture it came to.
         """
         self._any_posture = any_posture
-        self.place, self.posture, self.virtual = place, posture, place.copy()
+        self.place, self.posture, self.virtual = place.copy(), posture, place.copy()
         self.rate = np.zeros((2, 3))
-        self.velocity: Array | None = None
         self.saturated: Mask = np.zeros(2, dtype=bool)
         self._loaded, self.all_loaded = [False, False], False
-        self._goal, self._goal_rate = place, np.zeros((2, 3))
+        self._goal, self._goal_rate = self.place, np.zeros((2, 3))
         self._first_posture = posture
         self._offset, self._posture_offset = np.zeros((2, 3)), np.zeros((2, 7))
         self._limits, self._period = limits, period

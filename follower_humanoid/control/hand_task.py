@@ -1,4 +1,4 @@
-"""The hands' task: keep their places relative to the pelvis, eqs. (17), (18) corrected, and eq. (6).
+"""The hands' task: where they are relative to the pelvis, and what moves them there.
 
 The place of a hand is its gripper's position relative to `base_link` in pelvis-yaw axes (x ahead
 of the pelvis, z up). Holding that place constant is eq. (18) with the offset turned by the base's
@@ -57,10 +57,13 @@ class HandKinematics:
         columns = [np.flatnonzero(moved) for moved in self._grippers.moved_by]
         self._columns: Indices = np.array(columns)  # base, trunk, own arm
 
-    def motion(self, q: Array, v: Array) -> HandMotion:
-        """Both hands at state (q, v), shapes (52,), (51,)."""
+    def motion(self, q: Array, v: Array, kept: HandMotion | None = None) -> HandMotion:
+        """Both hands at state (q, v), shapes (52,), (51,).
+
+        Who needs no motion but the newest may give the last one as `kept`: it is written over.
+        """
         pin.computeJointJacobians(self._model, self._data, q)
-        grippers, motion = self._grippers, _unwritten_motion()
+        grippers, motion = self._grippers, kept or unwritten_motion()
         _hand_motion(
             grippers.poses, grippers.joints, grippers.offsets, grippers.world_jacobian, self._columns, q, v,
             *motion,
@@ -68,7 +71,7 @@ class HandKinematics:
         return motion
 
 
-def _unwritten_motion() -> HandMotion:
+def unwritten_motion() -> HandMotion:
     """Memory for a motion: compiled code that made the arrays itself would take longer to hand them over."""
     return HandMotion(
         place=np.empty((2, 3)), place_rate=np.empty((2, 3)), carried=np.empty((2, 3)),
@@ -141,76 +144,34 @@ def _hand_motion(
     base_axes = poses[_BASE_JOINT, :3]
     yaw_rate = _yaw(base_axes, v, yaw_to_world)
     base_to_world[:] = base_axes.T
-    twist, first = np.empty(6), columns.shape[1] - _ARM_JOINTS
+    first = columns.shape[1] - _ARM_JOINTS
+    position, twist, by_body, by_arm = np.empty(3), np.empty(6), np.empty(3), np.empty(3)
     for hand in range(2):
         pose = poses[joints[hand]]
-        position = pose[3].copy()
-        for axis in range(3):
-            position += pose[axis] * offsets[hand, axis]
-        by_body, by_arm = np.zeros(3), np.zeros(3)
+        for row in range(3):
+            position[row] = pose[3, row]
+            for axis in range(3):
+                position[row] += pose[axis, row] * offsets[hand, axis]
+        by_body[:] = by_arm[:] = 0.0
         for n in range(3, columns.shape[1]):  # the base's own translation moves no place
-            _twist_at(world_jacobian, columns[hand, n], position, twist)
-            if n < first:
-                by_body += twist[:3] * v[columns[hand, n]]
-            else:
-                by_arm += twist[:3] * v[columns[hand, n]]
+            column = columns[hand, n]
+            _twist_at(world_jacobian, column, position, twist)
+            moved = by_body if n < first else by_arm
+            for row in range(3):
+                moved[row] += twist[row] * v[column]
+            if n >= first:
                 wrench_jacobian[hand, :, n - first] = twist
-        _turn_back(yaw_to_world, position - q[:3], place[hand])
+        for row in range(3):
+            position[row] -= q[row]
+        _turn_back(yaw_to_world, position, place[hand])
         _turn_back(yaw_to_world, by_body, carried[hand])
         _turn_back(yaw_to_world, by_arm, place_rate[hand])
         _turn_jacobian_back(yaw_to_world, wrench_jacobian[hand], jacobian[hand])
         # The task axes turn with the pelvis.
         carried[hand, 0] += yaw_rate * place[hand, 1]
         carried[hand, 1] -= yaw_rate * place[hand, 0]
-        place_rate[hand] += carried[hand]
-
-
-def return_velocity(
-    error: Array, error_rate: Array, stretch: Array, proportional: float, differential: float,
-    stiffness: Array, limit: Array, stopped: Mask,
-) -> Array:  # fmt: skip
-    """Hand velocity that leads back to the place: `v_ref = K_P x_err + K_D ẋ_err`.
-
-    The point that the impedance's springs pull to moves with it, which makes it integral action:
-    under a constant force the hand yields, then returns with the time constant (1 + K_D)/K_P.
-    An axis rests where it would stretch its spring beyond a force limit: a hand that somebody holds
-    away from its place would otherwise pull ever harder.
-
-    Args:
-        error: x_err = x_d − x, shape (n, 3) [m].
-        error_rate: Its rate, shape (n, 3) [m/s].
-        stretch: Of the springs, shape (n, 3) [m].
-        proportional: K_P [1/s].
-        differential: K_D.
-        stiffness: Of the springs, shape (3,) [N/m].
-        limit: Of their force, shape (3,) [N].
-        stopped: Which hands do not return now, shape (n,).
-
-    Returns:
-        v_ref, shape (n, 3) [m/s].
-
-    Reference: Savić et al. 2016, eqs. (17), (18).
-    """
-    velocity = np.zeros(error.shape)
-    _return(error, error_rate, stretch, proportional, differential, stiffness, limit, stopped, velocity)
-    return velocity
-
-
-@kernel(
-    "void(float64[:,::1], float64[:,::1], float64[:,::1], float64, float64, float64[::1], float64[::1],"
-    " boolean[::1], float64[:,::1])"
-)
-def _return(
-    error: Array, error_rate: Array, stretch: Array, proportional: float, differential: float,
-    stiffness: Array, limit: Array, stopped: Mask, velocity: Array,
-) -> None:  # fmt: skip
-    """Writes v_ref of `return_velocity` where it is not zero."""
-    for hand in range(error.shape[0]):
-        for axis in range(0 if stopped[hand] else 3):
-            back = proportional * error[hand, axis] + differential * error_rate[hand, axis]
-            force = stiffness[axis] * stretch[hand, axis]
-            if abs(force) < limit[axis] or back * force <= 0.0:
-                velocity[hand, axis] = back
+        for row in range(3):
+            place_rate[hand, row] += carried[hand, row]
 
 
 def forces_in_task_axes(task_to_world: Array, left: Array, right: Array) -> Array:

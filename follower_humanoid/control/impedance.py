@@ -6,7 +6,6 @@ Everything works on stacks: the first axis runs over arms.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -110,35 +109,6 @@ def posture_acceleration(
     return acceleration
 
 
-@kernel("(float64[:,::1], float64[:,::1], float64, float64, float64)")
-def range_force(error: Array, error_rate: Array, reach: float, stiffness: float, mass: float) -> Array:
-    """Force that keeps a hand within a ball around its place: a soft wall, critically damped outwards.
-
-    Args:
-        error: Place minus hand, shape (arms, 3) [m].
-        error_rate: Shape (arms, 3) [m/s].
-        reach: Radius of the ball [m].
-        stiffness: Of the wall [N/m].
-        mass: Of the hand, which sets the damping [kg].
-
-    Returns:
-        Shape (arms, 3) [N]; zero inside the ball.
-    """
-    force = np.zeros(error.shape)
-    damping = 2.0 * math.sqrt(stiffness * mass)
-    for arm in range(error.shape[0]):
-        distance = math.sqrt(error[arm, 0] ** 2 + error[arm, 1] ** 2 + error[arm, 2] ** 2)
-        if distance <= reach:
-            continue
-        leaving = 0.0
-        for axis in range(3):
-            leaving += error_rate[arm, axis] * error[arm, axis] / distance
-        inwards = stiffness * (distance - reach) + damping * max(leaving, 0.0)
-        for axis in range(3):
-            force[arm, axis] = inwards * error[arm, axis] / distance
-    return force
-
-
 @kernel("(float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64, float64)")
 def stop_avoidance(
     position: Array, velocity: Array, lower: Array, upper: Array, stiffness: float, damping: float
@@ -169,101 +139,41 @@ def stop_avoidance(
     return braking
 
 
-def hand_force(
-    inertia: Array, damping: Array, stiffness: Array, stretch: Array, stretch_rate: Array,
-    error: Array, error_rate: Array, reach: float, reach_stiffness: float, felt: Array,
-) -> Array:  # fmt: skip
-    """Everything that shall move the hands' masses: `F + D_m ė + K_m e`, and the wall at the reach.
-
-    Args:
-        inertia, damping, stiffness: H_m [kg], D_m [N·s/m], K_m [N/m], shape (3,).
-        stretch, stretch_rate: e and ė of the springs, shape (arms, 3) [m], [m/s].
-        error, error_rate: Place minus hand, for the wall, shape (arms, 3) [m], [m/s].
-        reach: Where the wall is [m].
-        reach_stiffness: How stiff [N/m].
-        felt: F, shape (arms, 3) [N].
-
-    Returns:
-        Shape (arms, 3) [N].
-    """
-    force = np.empty(stretch.shape)
-    _hand_force(
-        inertia, damping, stiffness, stretch, stretch_rate, error, error_rate, reach, reach_stiffness, felt,
-        force,
-    )  # fmt: skip
-    return force
-
-
-@kernel(
-    "void(float64[::1], float64[::1], float64[::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64, float64, float64[:,::1], float64[:,::1])"
-)
-def _hand_force(
-    inertia: Array, damping: Array, stiffness: Array, stretch: Array, stretch_rate: Array,
-    error: Array, error_rate: Array, reach: float, reach_stiffness: float, felt: Array, force: Array,
-) -> None:  # fmt: skip
-    """Writes the force of `hand_force`."""
-    force[:] = range_force(error, error_rate, reach, reach_stiffness, inertia[0])
-    for arm in range(stretch.shape[0]):
-        for axis in range(3):
-            force[arm, axis] += damping[axis] * stretch_rate[arm, axis]
-            force[arm, axis] += stiffness[axis] * stretch[arm, axis] + felt[arm, axis]
-
-
 def joint_acceleration(
-    inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
-    velocity_error: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
+    feedforward: Array, inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
+    desired_velocity: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
     position: Array, velocity: Array, lower: Array, upper: Array, stop_stiffness: float, stop_damping: float,
 ) -> Array:  # fmt: skip
-    """Sum of `impedance_acceleration`, `posture_acceleration` and `stop_avoidance`; arguments as there."""
+    """q̈_d + `impedance_acceleration` + `posture_acceleration` + `stop_avoidance`, shape (arms, n) [rad/s²].
+
+    Args:
+        feedforward: q̈_d, shape (arms, n) [rad/s²].
+        desired_velocity: q̇_d, shape (arms, n) [rad/s].
+        others: As there.
+    """
     total = np.empty(position.shape)
     _joint_acceleration(
-        inertia, jacobian, inverse, null, force, velocity_error, posture_error, posture_stiffness,
-        posture_damping, position, velocity, lower, upper, stop_stiffness, stop_damping, total,
+        feedforward, inertia, jacobian, inverse, null, force, desired_velocity, posture_error,
+        posture_stiffness, posture_damping, position, velocity, lower, upper, stop_stiffness, stop_damping,
+        total,
     )  # fmt: skip
     return total
 
 
 @kernel(
-    "void(float64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64, float64, float64[:,::1])"
+    "void(float64[:,::1], float64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1],"
+    " float64[:,::1], float64[:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1],"
+    " float64[:,::1], float64, float64, float64[:,::1])"
 )
 def _joint_acceleration(
-    inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
-    velocity_error: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
+    feedforward: Array, inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
+    desired_velocity: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
     position: Array, velocity: Array, lower: Array, upper: Array, stop_stiffness: float, stop_damping: float,
     total: Array,
 ) -> None:  # fmt: skip
     """Writes the sum of `joint_acceleration`."""
     total[:] = impedance_acceleration(inertia, jacobian, inverse, force)
+    velocity_error = desired_velocity - velocity
     total += posture_acceleration(null, velocity_error, posture_error, posture_stiffness, posture_damping)
     total += stop_avoidance(position, velocity, lower, upper, stop_stiffness, stop_damping)
-
-
-def joints_within(position: Array, inverse: Array, shift: Array, lower: Array, upper: Array) -> Array:
-    """Joint positions that move the hands by `shift`, to first order, kept within their ranges.
-
-    Args:
-        position: Now, shape (arms, n) [rad].
-        inverse: J⁺, shape (arms, n, 3).
-        shift: Shape (arms, 3) [m].
-        lower, upper: Shape (arms, n) [rad].
-
-    Returns:
-        Shape (arms, n) [rad].
-    """
-    moved: Array = position.copy()
-    _move_within(inverse, shift, lower, upper, moved)
-    return moved
-
-
-@kernel("void(float64[:,:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1])")
-def _move_within(inverse: Array, shift: Array, lower: Array, upper: Array, moved: Array) -> None:
-    """Moves positions as `joints_within` says."""
-    arms, joints, size = inverse.shape
-    for arm in range(arms):
-        for joint in range(joints):
-            for axis in range(size):
-                moved[arm, joint] += inverse[arm, joint, axis] * shift[arm, axis]
-            moved[arm, joint] = min(max(moved[arm, joint], lower[arm, joint]), upper[arm, joint])
+    total += feedforward

@@ -166,3 +166,59 @@ def _add_task_and_rest(inverse: Array, null: Array, task: Array, rest: Array, mo
                 motion[arm, joint] += inverse[arm, joint, axis] * task[arm, axis]
             for other in range(joints):
                 motion[arm, joint] += null[arm, joint, other] * rest[arm, other]
+
+
+class JointReference(NamedTuple):
+    """What the arms' joints shall do for a task.
+
+    Attributes:
+        position: q_d, shape (arms, n) [rad].
+        velocity: q̇_d, shape (arms, n) [rad/s].
+    """
+
+    position: Array
+    velocity: Array
+
+
+def joint_reference(
+    jacobian: Array, threshold: float, damping: float, position: Array, lower: Array, upper: Array,
+    shift: Array, task_velocity: Array, null_velocity: Array, inverse: TaskInverse,
+) -> JointReference:  # fmt: skip
+    """`task_inverse`, written into `inverse`, and with it `joint_velocity` and how far the joints go.
+
+    Args:
+        jacobian, threshold, damping: As for `task_inverse`.
+        position: q, shape (arms, n) [rad].
+        lower, upper: Ranges within which q_d is kept, shape (arms, n) [rad].
+        shift: By which q_d moves the hands, to first order, shape (arms, m) [m].
+        task_velocity, null_velocity: As for `joint_velocity`.
+        inverse: J⁺ and its null projector, written to.
+    """
+    reference = JointReference(np.empty(position.shape), np.empty(position.shape))
+    _joint_reference(
+        jacobian, threshold, damping, position, lower, upper, shift, task_velocity, null_velocity,
+        *inverse, *reference,
+    )  # fmt: skip
+    return reference
+
+
+@kernel(
+    "void(float64[:,:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
+    " float64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1], float64[:,::1])"
+)
+def _joint_reference(
+    jacobian: Array, threshold: float, damping: float, position: Array, lower: Array, upper: Array,
+    shift: Array, task_velocity: Array, null_velocity: Array,
+    inverse: Array, null: Array, moved: Array, motion: Array,
+) -> None:  # fmt: skip
+    """Writes J⁺, N, q_d and q̇_d of `joint_reference`."""
+    inverse[:] = null[:] = motion[:] = 0.0
+    _invert(jacobian, threshold, damping, inverse, null)
+    _add_task_and_rest(inverse, null, task_velocity, null_velocity, motion)
+    arms, joints, size = inverse.shape
+    for arm in range(arms):
+        for joint in range(joints):
+            moved[arm, joint] = position[arm, joint]
+            for axis in range(size):
+                moved[arm, joint] += inverse[arm, joint, axis] * shift[arm, axis]
+            moved[arm, joint] = min(max(moved[arm, joint], lower[arm, joint]), upper[arm, joint])
