@@ -21,6 +21,11 @@ def random_state(rng: np.random.Generator) -> tuple[Array, Array]:
     return np.array(q), rng.normal(0, 0.5, model.nv)
 
 
+def torques(mass: Array, bias: Array, external: Array, a: Array, rotor: Array) -> tuple[Array, Array]:
+    """Of all joints."""
+    return motor_torque(np.asfortranarray(mass), bias, external, np.arange(ACTUATED), a, rotor)
+
+
 def dynamics(q: Array, v: Array) -> tuple[Array, Array]:
     model, data = robot().pin_model, robot().pin_model.createData()
     upper = np.triu(pin.crba(model, data, q))
@@ -44,7 +49,7 @@ def test_forward_dynamics_under_the_torque_give_the_acceleration_asked_for(seed:
     rng = np.random.default_rng(seed)
     q, v = random_state(rng)
     external, a = wrenches(q, rng), rng.normal(0, 20, ACTUATED)
-    torque, base = motor_torque(*dynamics(q, v), external, a, ROTOR)
+    torque, base = torques(*dynamics(q, v), external, a, ROTOR)
     # Pinocchio's articulated-body algorithm, with the part that turns the rotors taken off.
     model, data = robot().pin_model, robot().pin_model.createData()
     at_joint = np.concatenate((np.zeros(BASE_DOF), torque - ROTOR * a)) + external
@@ -58,7 +63,7 @@ def test_with_rotors_on_actuated_rows_only_the_motor_equation_holds() -> None:
     q, v = random_state(rng)
     mass, bias = dynamics(q, v)
     external, a = wrenches(q, rng), rng.normal(0, 20, ACTUATED)
-    torque, _ = motor_torque(mass, bias, external, a, ROTOR)
+    torque, _ = torques(mass, bias, external, a, ROTOR)
     armature = np.diag(np.concatenate((np.zeros(BASE_DOF), ROTOR)))
     right = np.concatenate((np.zeros(BASE_DOF), torque)) + external - bias
     np.testing.assert_allclose(np.linalg.solve(mass + armature, right)[BASE_DOF:], a, atol=1e-7)
@@ -74,7 +79,7 @@ def test_it_is_equation_16_partitioned() -> None:
     h = bias - external
     across = mass[j, b] @ np.linalg.inv(mass[b, b])
     expected = (mass[j, j] - across @ mass[b, j]) @ a + h[j] - across @ h[b]
-    torque, _ = motor_torque(mass, bias, external, a, np.zeros(ACTUATED))
+    torque, _ = torques(mass, bias, external, a, np.zeros(ACTUATED))
     np.testing.assert_allclose(torque, expected, atol=1e-8)
 
 
@@ -93,7 +98,7 @@ def test_the_right_ground_force_holds_the_robot_still() -> None:
         half = 0.5 * robot().mass * GRAVITY
         lever = com[0] - data.oMf[frame].translation[0]
         external += jacobian.T @ np.array([0.0, 0.0, half, 0.0, -lever * half, 0.0])
-    torque, base = motor_torque(mass, bias, external, np.zeros(ACTUATED), ROTOR)
+    torque, base = torques(mass, bias, external, np.zeros(ACTUATED), ROTOR)
     np.testing.assert_allclose(base, np.zeros(6), atol=1e-9)
     np.testing.assert_allclose(torque, (bias - external)[BASE_DOF:], atol=1e-9)
 
@@ -103,8 +108,8 @@ def test_only_the_upper_triangle_of_the_mass_matrix_is_read() -> None:
     q, v = random_state(rng)
     mass, bias = dynamics(q, v)
     external, a = wrenches(q, rng), rng.normal(0, 20, ACTUATED)
-    found = motor_torque(np.asfortranarray(np.triu(mass)), bias, external, a, ROTOR)
-    for one, other in zip(found, motor_torque(mass, bias, external, a, ROTOR), strict=True):
+    found = torques(np.triu(mass), bias, external, a, ROTOR)
+    for one, other in zip(found, torques(mass, bias, external, a, ROTOR), strict=True):
         np.testing.assert_allclose(one, other, atol=1e-9)
 
 
@@ -112,4 +117,17 @@ def test_a_mass_matrix_of_nonsense_is_refused() -> None:
     nothing = np.zeros(BASE_DOF + ACTUATED)
     for mass in (np.zeros((51, 51)), np.full((51, 51), np.nan)):
         with pytest.raises(PhysicsError, match="not positive definite"):
-            motor_torque(mass, nothing, nothing, nothing[BASE_DOF:], ROTOR)
+            torques(mass, nothing, nothing, nothing[BASE_DOF:], ROTOR)
+
+
+def test_joints_that_are_not_asked_for_are_joints_at_rest() -> None:
+    rng = np.random.default_rng(12)
+    q, v = random_state(rng)
+    (mass, bias), external = dynamics(q, v), wrenches(q, rng)
+    some = np.sort(rng.choice(ACTUATED, 20, replace=False))
+    a = np.zeros(ACTUATED)
+    a[some] = rng.normal(0, 20, 20)
+    expected, base = torques(mass, bias, external, a, ROTOR)
+    found = motor_torque(np.asfortranarray(mass), bias, external, some, a[some], ROTOR[some])
+    np.testing.assert_array_equal(found[0], expected[some])
+    np.testing.assert_array_equal(found[1], base)

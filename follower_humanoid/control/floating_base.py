@@ -15,10 +15,10 @@ import numpy as np
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.errors import PhysicsError
-from follower_humanoid.robot.model import BASE_DOF
+from follower_humanoid.robot.model import BASE_DOF, Indices
 
 
-@kernel("void(float64[:,:], float64[::1])")
+@kernel("void(float64[::1,:], float64[::1])")
 def _solve_base_rows(mass_matrix: Array, x: Array) -> None:
     """Makes x the solution of `M_bb solution = x`, by `M_bb = Uᵀ U` of its upper triangle."""
     upper = np.zeros((BASE_DOF, BASE_DOF))
@@ -43,39 +43,55 @@ def _solve_base_rows(mass_matrix: Array, x: Array) -> None:
         x[row] /= upper[row, row]
 
 
-@kernel("(float64[:,:], float64[::1], float64[::1], float64[::1], float64[::1])")
 def motor_torque(
-    mass_matrix: Array, bias: Array, external: Array, acceleration: Array, rotor_inertia: Array
-) -> tuple[Array, Array]:
-    """Torques of the motors for desired joint accelerations.
+    mass_matrix: Array, bias: Array, external: Array, joints: Indices, acceleration: Array,
+    rotor_inertia: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Torques of the motors for desired accelerations of some joints, while the others have none.
 
     Args:
-        mass_matrix: M, shape (51, 51); only its upper triangle is read.
+        mass_matrix: M, shape (51, 51), Fortran order; only its upper triangle is read.
         bias: n = C q̇ + G, shape (51,).
         external: Generalised force of feet and hands, shape (51,).
-        acceleration: a of the actuated joints, shape (45,) [rad/s²].
-        rotor_inertia: A, shape (45,) [kg·m²].
+        joints: Which of the actuated joints, ascending, shape (n,).
+        acceleration: Their a, shape (n,) [rad/s²].
+        rotor_inertia: Their A, shape (n,) [kg·m²].
 
     Returns:
-        (τ + A a, shape (45,) [N·m]; base acceleration, shape (6,)).
+        (τ + A a, shape (n,) [N·m]; base acceleration, shape (6,)).
 
     Raises:
         PhysicsError: M is not positive definite.
     """
-    forces = bias - external  # becomes M (0, a) + n − external
-    for column in range(BASE_DOF, forces.size):
-        a = acceleration[column - BASE_DOF]
+    torque, base = np.empty(len(joints)), np.empty(BASE_DOF)
+    _motor_torque(mass_matrix, bias, external, joints, acceleration, rotor_inertia, torque, base)
+    return torque, base
+
+
+@kernel(
+    "void(float64[::1,:], float64[::1], float64[::1], intp[::1], float64[::1], float64[::1], float64[::1],"
+    " float64[::1])"
+)
+def _motor_torque(
+    mass_matrix: Array, bias: Array, external: Array, joints: Indices, acceleration: Array,
+    rotor_inertia: Array, torque: Array, base: Array,
+) -> None:  # fmt: skip
+    """Writes what `motor_torque` returns."""
+    forces = bias - external  # becomes M (0, a) + n − external, in the rows that are used
+    for n in range(joints.size):
+        column, a = BASE_DOF + joints[n], acceleration[n]
         forces[column] += mass_matrix[column, column] * a
         for row in range(BASE_DOF):
             forces[row] += mass_matrix[row, column] * a
-        for row in range(BASE_DOF, column):
+        for before in range(n):
+            row = BASE_DOF + joints[before]
             forces[row] += mass_matrix[row, column] * a
-            forces[column] += mass_matrix[row, column] * acceleration[row - BASE_DOF]
-    base = -forces[:BASE_DOF]
+            forces[column] += mass_matrix[row, column] * acceleration[before]
+    for row in range(BASE_DOF):
+        base[row] = -forces[row]
     _solve_base_rows(mass_matrix, base)
-    torque = rotor_inertia * acceleration
-    for joint in range(torque.size):
-        torque[joint] += forces[BASE_DOF + joint]
+    for n in range(joints.size):
+        column = BASE_DOF + joints[n]
+        torque[n] = rotor_inertia[n] * acceleration[n] + forces[column]
         for row in range(BASE_DOF):
-            torque[joint] += mass_matrix[row, BASE_DOF + joint] * base[row]
-    return torque, base
+            torque[n] += mass_matrix[row, column] * base[row]

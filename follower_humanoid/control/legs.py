@@ -60,6 +60,24 @@ class LegOutputs(NamedTuple):
     command: Joints
 
 
+class Tracking(NamedTuple):
+    """How the driven joints follow their reference at one tick, each of shape (n,).
+
+    Attributes:
+        velocity: q̇ [rad/s].
+        error: e = q_d − q [rad].
+        error_velocity: ė [rad/s].
+        feedforward: q̈_d: what q̇_d has changed by since the last tick [rad/s²].
+        last_speed: q̇_d, for the next tick [rad/s].
+    """
+
+    velocity: Array
+    error: Array
+    error_velocity: Array
+    feedforward: Array
+    last_speed: Array
+
+
 class LegController:
     """Drives legs, trunk and neck along the reference while the feet push as balance asks.
 
@@ -80,7 +98,6 @@ class LegController:
         self._data = robot.pin_model.createData()
         self._mass_matrix: Array = self._data.M  # a view: it follows Pinocchio's algorithm
         self._motors = MotorInverse(config.motor, robot, self._legs)
-        self._rotor_inertia = MotorInverse(config.motor, robot).rotor_inertia
         self._sliding = SlidingMode(config.sliding_mode, len(self._legs))
         names = [f"{side.prefix}_{frame}" for frame in ("sole", "gripper") for side in SIDES]
         self._contacts = PlacedFrames(robot, self._data, names)
@@ -90,10 +107,11 @@ class LegController:
         self._ankles, self._toes = _rows(robot, "ankle_pitch", "ankle_roll"), _rows(robot, "toe_pitch")
         self._weight: Array = np.where(np.isin(self._legs, robot.groups.neck), config.neck_weight, 1.0)
         self._weight[self._toes] = 0.0  # springs
+        self._tracking = Tracking(*np.zeros((len(Tracking._fields), len(self._legs))))
+        self._load: Array = np.zeros(len(SIDES))
         self._hold: Joints | None = None
         self._toe_preload: Array = np.zeros(len(SIDES))
         self._first_load: Array = np.ones(len(SIDES))
-        self._last_speed: Array = np.zeros(len(self._legs))
         self._saturated = np.zeros(len(self._legs), dtype=bool)
         self._saturated_ticks = 0
         self._peak = 0.0
@@ -101,26 +119,26 @@ class LegController:
     def step(self, inputs: LegInputs, time: float) -> LegOutputs:
         """One tick: state and reference in, volts out."""
         del time
-        joints, legs, config = inputs.joints, self._legs, self._config
-        load = np.array([inputs.left_foot.force[2], inputs.right_foot.force[2]])
+        joints, config, load, tracking = inputs.joints, self._config, self._load, self._tracking
+        load[0], load[1] = inputs.left_foot.force[2], inputs.right_foot.force[2]
         if self._hold is None:
             self._hold = Joints(joints.position, np.zeros(ACTUATED), np.zeros(ACTUATED))
-            self._toe_preload, self._first_load = joints.effort[legs][self._toes[:, 0]], load
+            self._toe_preload, self._first_load = joints.effort[self._legs][self._toes[:, 0]], load.copy()
         reference = inputs.reference or self._hold
-        wanted, speed = reference.position[legs], reference.velocity[legs]
-        velocity = joints.velocity[legs]
-        error, error_velocity = wanted - joints.position[legs], speed - velocity
-        feedforward = (speed - self._last_speed) / self._period
-        self._last_speed = speed
+        wanted, speed = np.empty(len(self._legs)), np.empty(len(self._legs))
+        _track(
+            reference.position, reference.velocity, joints.position, joints.velocity, self._legs,
+            self._period, wanted, speed, *tracking,
+        )  # fmt: skip
         if inputs.reference is not None and inputs.left_foot_reference is None:
-            torque = config.stiffness * error + config.damping * error_velocity
+            torque = config.stiffness * tracking.error + config.damping * tracking.error_velocity
         else:
-            torque = self._linearised(inputs, load, error, error_velocity, feedforward)
+            torque = self._linearised(inputs)
         _load_toes(
-            load, self._first_load, self._toe_preload, self._toes, error, error_velocity,
+            load, self._first_load, self._toe_preload, self._toes, tracking.error, tracking.error_velocity,
             config.toe_stiffness, config.toe_damping, torque,
         )  # fmt: skip
-        voltage, self._saturated = self._motors.voltage(torque, velocity)
+        voltage, self._saturated = self._motors.voltage(torque, tracking.velocity)
         self._count(voltage)
         return LegOutputs(Joints(wanted, speed, voltage))
 
@@ -128,21 +146,21 @@ class LegController:
         """Peak voltage and ticks at the limit."""
         return {"peak_voltage [V]": self._peak, "saturated_ticks": self._saturated_ticks}
 
-    def _linearised(
-        self, inputs: LegInputs, load: Array, error: Array, error_velocity: Array, feedforward: Array
-    ) -> Array:
+    def _linearised(self, inputs: LegInputs) -> Array:
         """Sliding mode and feedback linearisation, eq. (16): torque of legs, trunk and neck [N·m]."""
-        config, legs = self._config, self._legs
+        config, tracking = self._config, self._tracking
         _weigh_ankles(
-            load, self._ankles, config.carrying, config.ankle_weight, config.ankle_swing_weight, self._weight
-        )
-        a = np.zeros(ACTUATED)  # of the arms too: they have a controller of their own
-        a[legs] = self._sliding.acceleration(
-            error, error_velocity, feedforward, self._weight, self._saturated, self._period
-        )
+            self._load, self._ankles, config.carrying, config.ankle_weight, config.ankle_swing_weight,
+            self._weight,
+        )  # fmt: skip
+        a = self._sliding.acceleration(
+            tracking.error, tracking.error_velocity, tracking.feedforward, self._weight, self._saturated,
+            self._period,
+        )  # fmt: skip
         bias, external = self._dynamics(inputs)
-        torque, _ = motor_torque(self._mass_matrix, bias, external, a, self._rotor_inertia)
-        return np.asarray(torque[legs])
+        # The arms have a controller of their own, of whose accelerations nothing is known here.
+        torque, _ = motor_torque(self._mass_matrix, bias, external, self._legs, a, self._motors.rotor_inertia)
+        return torque
 
     def _dynamics(self, inputs: LegInputs) -> tuple[Array, Array]:
         """n and the generalised force of desired foot and sensed hand wrenches; M is left in the data."""
@@ -166,6 +184,26 @@ class LegController:
         largest, any_saturated = _look_over(voltage, self._saturated)
         self._peak = max(self._peak, largest)
         self._saturated_ticks += any_saturated
+
+
+@kernel(
+    "void(float64[:], float64[:], float64[:], float64[:], intp[::1], float64, float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])"
+)
+def _track(
+    reference: Array, reference_velocity: Array, measured: Array, measured_velocity: Array, joints: Indices,
+    period: float, wanted: Array, speed: Array,
+    velocity: Array, error: Array, error_velocity: Array, feedforward: Array, last_speed: Array,
+) -> None:  # fmt: skip
+    """Writes q_d, q̇_d and a `Tracking` of some of all joints, whose reference and state are given."""
+    for n in range(joints.size):
+        joint = joints[n]
+        wanted[n], speed[n] = reference[joint], reference_velocity[joint]
+        velocity[n] = measured_velocity[joint]
+        error[n] = wanted[n] - measured[joint]
+        error_velocity[n] = speed[n] - velocity[n]
+        feedforward[n] = (speed[n] - last_speed[n]) / period
+        last_speed[n] = speed[n]
 
 
 @kernel("Tuple((float64, boolean))(float64[::1], boolean[::1])")
