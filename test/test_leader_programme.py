@@ -107,3 +107,12 @@ def test_leader_publishes_the_programme_in_world_axes(tmp_path: Path) -> None:
     assert all(w.frame == "world" and not w.torque.any() for w in (outputs.leader_left, outputs.push))
     assert not leader.step(Leader.Inputs(), 1.0).leader_left.force.any()
     assert leader.duration == 1.0
+
+
+def test_the_wrenches_are_made_anew_only_when_they_change(tmp_path: Path) -> None:
+    steps = "[{until: 1, left: [1, 0, 0]}, {until: 2, left: [2, 0, 0]}]"
+    leader = Leader(LeaderConfig(written(tmp_path, steps)), RobotModel(), 0.01)
+    first, same, second, after, later = (leader.step(Leader.Inputs(), time) for time in (0, 0.99, 1, 2, 9))
+    assert first is same
+    assert after is later
+    assert [list(out.leader_left.force) for out in (same, second, after)] == [[1, 0, 0], [2, 0, 0], [0, 0, 0]]

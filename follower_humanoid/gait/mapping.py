@@ -11,11 +11,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from follower_humanoid.control.arm_modes import COMPENSATION
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import Array, Gait, PrimitiveStates, Wrench
+from follower_humanoid.core.samples import SIDES, Gait, PrimitiveStates, Wrench
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.sensing.low_pass import LowPass
@@ -94,14 +92,18 @@ def shortest_turn(start: float, goal: float) -> float:
     return math.pi if turn == -math.pi else turn
 
 
-def _calling_force(left: Wrench, right: Wrench, arms: PrimitiveStates | None) -> Array:
-    """Horizontal force of the hands that are not led, shape (2,) [N]."""
+_LED = {side: f"{side.value}_hand/{COMPENSATION}" for side in SIDES}
+
+
+def _calling_force(left: Wrench, right: Wrench, arms: PrimitiveStates | None) -> tuple[float, float]:
+    """Horizontal force of the hands that are not led, (x, y) [N]."""
     led = () if arms is None else arms.names
-    force = np.zeros(2)
-    for side, hand in (("left", left), ("right", right)):
-        if f"{side}_hand/{COMPENSATION}" not in led:
-            force += hand.force[:2]
-    return force
+    x = y = 0.0
+    for side, hand in zip(SIDES, (left, right), strict=True):
+        if _LED[side] not in led:
+            force_x, force_y, _ = hand.force.tolist()
+            x, y = x + force_x, y + force_y
+    return x, y
 
 
 class GaitMapping:
@@ -117,7 +119,7 @@ class GaitMapping:
     def __init__(self, config: GaitMappingConfig, robot: RobotModel, period: float) -> None:
         self._config = config
         self._period = period
-        self._filter = LowPass(config.filter_time, period)
+        self._filter_x, self._filter_y = (LowPass[float](config.filter_time, period) for _ in "xy")
         self._walking = False
         self._held = 0.0  # how long the force has called for a change of state [s]
         self._direction = config.initial_direction
@@ -128,7 +130,8 @@ class GaitMapping:
         if inputs.left_hand is None or inputs.right_hand is None:
             return GaitMappingOutputs(self._gait(walk_speed=0.0, step_length=1.0))
         config = self._config
-        x, y = self._filter.step(_calling_force(inputs.left_hand, inputs.right_hand, inputs.arms))
+        x, y = _calling_force(inputs.left_hand, inputs.right_hand, inputs.arms)
+        x, y = self._filter_x.step(x), self._filter_y.step(y)
         force = math.hypot(x, y)
         self._start_or_stop(force)
         factor = intensity_factor(force, config.saturation, config.divisor)

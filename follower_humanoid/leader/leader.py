@@ -9,7 +9,7 @@ import numpy as np
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Array, Wrench
-from follower_humanoid.leader.programme import load_programme
+from follower_humanoid.leader.programme import Forces, load_programme
 from follower_humanoid.robot.model import RobotModel
 
 
@@ -54,15 +54,23 @@ class Leader:
         """
         self._programme = load_programme(config.programme)
         self.duration = self._programme.duration
+        self._forces: Forces | None = None
+        self._outputs: LeaderOutputs
 
     def step(self, inputs: LeaderInputs, time: float) -> LeaderOutputs:
         """The wrenches at `time` [s]."""
         forces = self._programme.at(time)
-        return LeaderOutputs(
-            leader_left=_pure_force(forces.left),
-            leader_right=_pure_force(forces.right),
-            push=_pure_force(forces.base),
-        )
+        if forces is not self._forces:
+            self._forces, self._outputs = forces, _outputs(forces)
+        return self._outputs
+
+
+def _outputs(forces: Forces) -> LeaderOutputs:
+    return LeaderOutputs(
+        leader_left=_pure_force(forces.left),
+        leader_right=_pure_force(forces.right),
+        push=_pure_force(forces.base),
+    )
 
 
 def _pure_force(force: Array) -> Wrench:

@@ -39,6 +39,9 @@ class Forces:
     base: Array
 
 
+_NO_FORCES = Forces(*np.zeros((3, 3)))
+
+
 class Programme:
     """Forces over time: constant between times, or linear.
 
@@ -56,27 +59,25 @@ class Programme:
         """
         self._times = times
         self._forces = forces
+        self._entries = [Forces(*held) for held in forces]
         self._linear = linear
         self.duration = times[-1]
 
     def at(self, time: float) -> Forces:
-        """Forces at a time [s]: an entry holds up to, not at, its end; zero outside the programme."""
-        left, right, base = self._values(time)
-        return Forces(left, right, base)
+        """Forces at a time [s]: an entry holds up to, not at, its end; zero outside the programme.
 
-    def _values(self, time: float) -> Array:
+        As long as an entry holds, they are one and the same object.
+        """
         index = bisect_right(self._times, time)
         if index == len(self._times) or time < 0.0:
-            return np.zeros((3, 3))
+            return _NO_FORCES
         if not self._linear:
-            held: Array = self._forces[index]
-            return held
+            return self._entries[index]
         if index == 0:
-            return np.zeros((3, 3))
+            return _NO_FORCES
         begin, end = self._times[index - 1], self._times[index]
         share = (time - begin) / (end - begin)
-        blend: Array = (1.0 - share) * self._forces[index - 1] + share * self._forces[index]
-        return blend
+        return Forces(*((1.0 - share) * self._forces[index - 1] + share * self._forces[index]))
 
 
 def load_programme(name_or_path: str) -> Programme:
