@@ -20,7 +20,7 @@ class ArmTorque:
     def __init__(self, robot: RobotModel, motor: MotorModel, period: float, filter_time: float) -> None:
         """`period`: control tick [s]; `filter_time`: low-pass on the measured body acceleration [s]."""
         self._robot, self._period = robot, period
-        self._rows = BASE_DOF + robot.groups.arms
+        self._rows = BASE_DOF + robot.groups.arms.reshape(2, -1)
         self._data = robot.pin_model.createData()
         self._motors = MotorInverse(motor, robot, robot.groups.arms)
         self._body_acceleration = BodyAcceleration(robot, period, filter_time)
@@ -48,13 +48,13 @@ class ArmTorque:
             imu: What it feels.
             hands: Its hands in this state.
             wrenches: On them, axes of world.
-            velocity, acceleration: q̇ and wanted q̈ of both arms, shape (14,) [rad/s], [rad/s²].
+            velocity, acceleration: q̇ and wanted q̈ of both arms, shape (2, 7) [rad/s], [rad/s²].
         """
         rate = self._body_acceleration.step(v, imu, hands.base_to_world)
         rate[self._rows] = acceleration
         forces = pin.rnea(self._robot.pin_model, self._data, q, v, rate)
         left, right = wrenches
-        motor_torque, middle = np.empty(len(velocity)), np.empty(len(velocity))
+        motor_torque, middle = np.empty(velocity.size), np.empty(velocity.size)
         _motor_demand(
             forces, self._rows, hands.wrench_jacobian, left.force, left.torque, right.force, right.torque,
             velocity, acceleration, self._motors.rotor_inertia, 0.5 * self._period, motor_torque, middle,
@@ -63,8 +63,8 @@ class ArmTorque:
 
 
 @kernel(
-    "void(float64[::1], intp[::1], float64[:,:,::1], float64[:], float64[:], float64[:], float64[:],"
-    " float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1])"
+    "void(float64[::1], intp[:,::1], float64[:,:,::1], float64[:], float64[:], float64[:], float64[:],"
+    " float64[:,::1], float64[:,::1], float64[::1], float64, float64[::1], float64[::1])"
 )
 def _motor_demand(
     forces: Array, rows: Indices, jacobian: Array, left_force: Array, left_moment: Array, right_force: Array,
@@ -73,16 +73,17 @@ def _motor_demand(
 ) -> None:  # fmt: skip
     """Writes `τ + A q̈` with `τ = forces − Jᵀ (f, m)`, and the velocity in the middle of the tick.
 
-    Of the joints of both arms, left first, which are the `rows` of `forces`; J of shape (2, 6, joints).
+    Of all joints of both arms, left first, which are the `rows` of `forces`, shape (2, joints); J of
+    shape (2, 6, joints).
     """
-    joints = jacobian.shape[2]
+    joints = rows.shape[1]
     for arm in range(2):
         force, moment = (left_force, left_moment) if arm == 0 else (right_force, right_moment)
         for joint in range(joints):
-            n = joints * arm + joint
-            torque = forces[rows[n]]
+            torque = forces[rows[arm, joint]]
             for axis in range(3):
                 torque -= jacobian[arm, axis, joint] * force[axis]
                 torque -= jacobian[arm, 3 + axis, joint] * moment[axis]
-            motor_torque[n] = torque + rotor_inertia[n] * acceleration[n]
-            middle[n] = velocity[n] + half_tick * acceleration[n]
+            n, a = joints * arm + joint, acceleration[arm, joint]
+            motor_torque[n] = torque + rotor_inertia[n] * a
+            middle[n] = velocity[arm, joint] + half_tick * a

@@ -106,7 +106,7 @@ class ArmController:
         self._config = config
         self._robot = robot
         self._period = period
-        self._arms = robot.groups.arms
+        self._arms = robot.groups.arms.reshape(2, 7)
         self._kinematics = HandKinematics(robot)
         self._actuation = ArmTorque(robot, config.motor, period, config.acceleration_filter_time)
         self._impedance = Impedance.with_damping_ratio(
@@ -115,8 +115,8 @@ class ArmController:
         self._compensation = compensation(self._impedance.inertia, config.compensation_damping)
         self._law = HandLaw(config, self._impedance, period)
         self._return_force = np.array(config.return_force)
-        self._lower = (robot.lower[self._arms] + config.stop_margin).reshape(2, 7)
-        self._upper = (robot.upper[self._arms] - config.stop_margin).reshape(2, 7)
+        self._lower = robot.lower[self._arms] + config.stop_margin
+        self._upper = robot.upper[self._arms] - config.stop_margin
         self._reference_acceleration = ReferenceAcceleration(config.reference_filter_time, period)
         self._switch = ModeSwitch(period)
         self._modes = self._mode_report()
@@ -134,8 +134,8 @@ class ArmController:
         del time
         q, v = self._robot.state(inputs.odometry, inputs.joints)
         hands = self._kinematics.motion(q, v, self._hands)
-        position = inputs.joints.position[self._arms].reshape(2, 7)
-        velocity = inputs.joints.velocity[self._arms].reshape(2, 7)
+        position = inputs.joints.position[self._arms]
+        velocity = inputs.joints.velocity[self._arms]
         reference = self._reference = self._reference or self._first_reference(hands, position)
         wrenches = (inputs.left_hand or _NO_WRENCH, inputs.right_hand or _NO_WRENCH)
         felt = forces_in_task_axes(hands.yaw_to_world, wrenches[0].force, wrenches[1].force)
@@ -165,7 +165,7 @@ class ArmController:
         )  # fmt: skip
         acceleration = self._blend.step(acceleration, begun_anew)
         voltage, saturated = self._actuation.voltage(
-            q, v, inputs.imu, hands, wrenches, velocity.reshape(-1), acceleration.reshape(-1)
+            q, v, inputs.imu, hands, wrenches, velocity, acceleration
         )
 
         if self._config.limit_avoidance > 0.0:

@@ -108,6 +108,7 @@ class HandWrenchSensing:
         self._period, self._share = period, filter_share(config.filter_time, period)
         self._first = True
         self._states, self._filtered = np.zeros((len(SIDES), *SHAPE)), np.zeros((len(SIDES), 6))
+        self._parts = self._filtered.reshape(-1, 3)  # the same: force and moment of either hand
 
     def step(self, inputs: HandWrenchInputs, time: float) -> HandWrenchOutputs:
         """The wrenches of this tick."""
@@ -121,5 +122,5 @@ class HandWrenchSensing:
             GRAVITY, self._period, self._share, self._first, self._states, self._filtered,
         )  # fmt: skip
         self._first = False
-        left_hand, right_hand = self._filtered.copy()
-        return HandWrenchOutputs(Wrench(left_hand[:3], left_hand[3:]), Wrench(right_hand[:3], right_hand[3:]))
+        left_force, left_moment, right_force, right_moment = self._parts.copy()
+        return HandWrenchOutputs(Wrench(left_force, left_moment), Wrench(right_force, right_moment))
