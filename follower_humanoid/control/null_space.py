@@ -36,7 +36,9 @@ def _diagonalise(matrix: Array, vectors: Array) -> None:
     Cyclic Jacobi rotations, each of which makes one pair of off-diagonal entries zero.
     """
     size = matrix.shape[0]
-    vectors[:] = np.eye(size)
+    for row in range(size):
+        vectors[row] = 0.0
+        vectors[row, row] = 1.0
     for _ in range(_SWEEPS):
         turned = False
         for p in range(size - 1):
@@ -62,13 +64,15 @@ def _diagonalise(matrix: Array, vectors: Array) -> None:
             break
 
 
-@kernel("(float64[:,::1], float64, float64)")
-def _damped_square(jacobian: Array, threshold: float, damping: float) -> Array:
-    """`Σ_i u_i u_iᵀ/(σ_i² + λ_i²)` of `task_inverse`, shape (m, m)."""
+@kernel("void(float64[:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1])")
+def _damped_square(
+    jacobian: Array, threshold: float, damping: float, squared: Array, left: Array, inverse: Array
+) -> None:
+    """Writes `Σ_i u_i u_iᵀ/(σ_i² + λ_i²)` of `task_inverse` into `inverse`; all of shape (m, m)."""
     size = jacobian.shape[0]
-    squared, left, inverse = np.zeros((size, size)), np.empty((size, size)), np.zeros((size, size))
     for row in range(size):
         for column in range(size):
+            squared[row, column] = inverse[row, column] = 0.0
             for joint in range(jacobian.shape[1]):
                 squared[row, column] += jacobian[row, joint] * jacobian[column, joint]
     _diagonalise(squared, left)
@@ -78,7 +82,6 @@ def _damped_square(jacobian: Array, threshold: float, damping: float) -> Array:
         for row in range(size):
             for column in range(size):
                 inverse[row, column] += left[row, n] * left[column, n] / damped
-    return inverse
 
 
 def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInverse:
@@ -106,8 +109,9 @@ def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInver
 def _invert(jacobian: Array, threshold: float, damping: float, inverse: Array, null: Array) -> None:
     """Writes J⁺ and N of `task_inverse` into zeros of their shapes."""
     arms, size, joints = jacobian.shape
+    squared, left, square = np.empty((size, size)), np.empty((size, size)), np.empty((size, size))
     for arm in range(arms):
-        square = _damped_square(jacobian[arm], threshold, damping)
+        _damped_square(jacobian[arm], threshold, damping, squared, left, square)
         for joint in range(joints):
             null[arm, joint, joint] = 1.0
             for axis in range(size):
