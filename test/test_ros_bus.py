@@ -12,14 +12,14 @@ class Member:
         self.bus, self.name, self.last = bus, name, last
         self.heard, self.depth, self.deepest = [], 0, 0
         self.pending = []
-        bus.join(name, self.accept, self.step)
+        bus.join(name, self.step)
         self.others = others
 
     def listen(self):
         for other in self.others:
-            self.bus.listen(self.name, other)
+            self.bus.listen(self.name, other, self.accept)
 
-    def accept(self, producer, tick, samples, messages):
+    def accept(self, tick, samples, messages):
         self.heard.append(samples["topic"])
         self.pending.append(tick)
         return True

@@ -199,12 +199,11 @@ class LockStep:
         values: dict[str, object] = {}
         for entry in self._entries:
             value = entry.value(held_from)
-            if entry.held and value is None and entry.newest is not None:
-                self.stale += 1
-            if len(entry.topics) == 1:
-                values[entry.topics[0]] = value
-            elif value is None:
+            if value is None:
+                self.stale += entry.held and entry.newest is not None
                 values.update(dict.fromkeys(entry.topics))
+            elif len(entry.topics) == 1:
+                values[entry.topics[0]] = value
             else:
                 values.update(zip(entry.topics, cast("tuple[object, ...]", value), strict=True))
         self.tick += self._period

@@ -37,6 +37,7 @@ class Input:
 
     def forget(self, before: int) -> None:
         """Drops what no step needs any more; the newest is kept for the case that a stranger falls silent."""
-        old = [tick for tick in self.samples if tick < before]
-        for tick in sorted(old) if len(old) > 1 else old:
+        for tick in sorted(self.samples):
+            if tick >= before:
+                return
             self.newest = self.samples.pop(tick)

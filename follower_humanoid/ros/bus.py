@@ -13,9 +13,9 @@ from typing import Any
 
 from rclpy.task import Future
 
-# Node that sends, tick, topic → sample, topic → the same as a message where it was made anyway.
+# Tick, topic → sample of all that a node publishes, topic → the same as a message where it was made anyway.
 # Returns whether the receiver can step now.
-Accept = Callable[[str, int, Mapping[str, Any], Mapping[str, bytes]], bool]
+Accept = Callable[[int, Mapping[str, Any], Mapping[str, bytes]], bool]
 
 
 class Bus:
@@ -24,30 +24,30 @@ class Bus:
     def __init__(self, names: Collection[str]) -> None:
         """Args: the nodes that will join."""
         self._names = frozenset(names)
-        self._members: dict[str, tuple[Accept, Callable[[], None]]] = {}
+        self._steps: dict[str, Callable[[], None]] = {}
         self._hearers: dict[str, dict[str, tuple[Accept, Callable[[], None]]]] = {}
         self._ready: deque[Callable[[], None]] = deque()
         self._working = False
         self._called: Any = Future()
 
-    def join(self, name: str, accept: Accept, step: Callable[[], None]) -> None:
-        """Adds a node: what takes samples in, and what steps when all are there."""
-        self._members[name] = (accept, step)
+    def join(self, name: str, step: Callable[[], None]) -> None:
+        """Adds a node: what steps when all samples are there."""
+        self._steps[name] = step
 
     def __contains__(self, name: str) -> bool:
         """Whether a node is in this process."""
         return name in self._names
 
-    def listen(self, name: str, producer: str) -> None:
+    def listen(self, name: str, producer: str, accept: Accept) -> None:
         """The node `name` takes in what `producer` sends from now on."""
-        self._hearers.setdefault(producer, {})[name] = self._members[name]
+        self._hearers.setdefault(producer, {})[name] = (accept, self._steps[name])
 
     def post(
         self, producer: str, tick: int, samples: Mapping[str, Any], messages: Mapping[str, bytes]
     ) -> None:
         """Hands one tick's samples to every listener."""
         for accept, step in self._hearers.get(producer, {}).values():
-            if accept(producer, tick, samples, messages):
+            if accept(tick, samples, messages):
                 self._ready.append(step)
         if self._ready and not self._working:
             self.call()

@@ -16,9 +16,10 @@ class ComponentNode(LockStepNode):
         """Args: the node's name in the wiring table."""
         super().__init__(node_wiring(name), **options)
         self._inputs = self.wiring.component_class().Inputs
-        self._topic_of = tuple(self.wiring.inputs.items())
+        # Topic of each input, in their order; nothing comes to an input that is not wired.
+        self._topics = [self.wiring.inputs.get(name, "") for name in self._inputs.__match_args__]
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One step of the component."""
-        inputs = self._inputs(**{name: samples[topic] for name, topic in self._topic_of})
+        inputs = self._inputs(*map(samples.get, self._topics))
         self.publish(self.component.step(inputs, tick * self.graph.tick), tick)

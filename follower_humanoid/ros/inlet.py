@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from rosgraph_msgs.msg import Clock
@@ -25,6 +26,14 @@ from follower_humanoid.ros.validation import MessageError
 
 if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode
+
+
+_Pick = Callable[[Mapping[str, Any]], Any]
+
+
+def _picker(topics: tuple[str, ...]) -> _Pick:
+    """What the lock is given of all that a node publishes: one sample, or those of a piece as a tuple."""
+    return (lambda _: True) if topics == (CLOCK,) else itemgetter(*topics)
 
 
 class Inlet:
@@ -68,8 +77,8 @@ class Inlet:
         """Subscribes."""
         node = self._node
         if node.bus is not None:
-            for producer in self._by_bus:
-                node.bus.listen(node.wiring.name, producer)
+            for producer, topics in self._by_bus.items():
+                node.bus.listen(node.wiring.name, producer, partial(self._accept, topics[0], _picker(topics)))
         table = nodes_with(node.present)
         for producer, topics in self._by_envelope.items():
             reader = EnvelopeReader(Envelope(table[producer]), {t: codecs[t] for t in topics if t != CLOCK})
@@ -98,18 +107,18 @@ class Inlet:
         if self._by_topic:
             node.make_subscription(Header, ABSENT, self._receive_absent)
 
-    def accept(
-        self, producer: str, tick: int, samples: Mapping[str, Any], messages: Mapping[str, bytes]
+    def _accept(
+        self, first: str, pick: _Pick, tick: int, samples: Mapping[str, Any], messages: Mapping[str, bytes]
     ) -> bool:
         """Takes in what a node of the same process has sent; returns whether the lock is ready now."""
-        self._node.come_back(tick)
-        ready = False
-        for topic in self.copies.keys() & messages.keys():
-            self.copies[topic](messages[topic])
-        topics = self._by_bus.get(producer)
-        if topics is not None and self._is_of_use(topics, tick):
-            ready = self._put(topics, tick, tuple(samples.get(topic) for topic in topics))
-        return ready
+        node = self._node
+        node.come_back(tick)
+        if messages:
+            for topic in self.copies.keys() & messages.keys():
+                self.copies[topic](messages[topic])
+        if self._skips and not node.lock.needs(first, tick):
+            return False
+        return node.lock.put(first, tick, pick(samples))
 
     def _deliver(self, reader: EnvelopeReader, topics: tuple[str, ...], data: bytes) -> None:
         if self._receive_envelope(reader, topics, data):
@@ -124,7 +133,7 @@ class Inlet:
             if rest:
                 raise MessageError(reader.envelope.name, f"stamp {stamp} ns is no tick")
             # All of it or nothing: what lies beside something unusable is not to be relied on.
-            samples = reader.read(data) if self._is_of_use(topics, tick) else None
+            samples = reader.read(data) if not self._skips or node.lock.needs(topics[0], tick) else None
         except MessageError as error:
             node.reject(error)
             return False
@@ -137,9 +146,6 @@ class Inlet:
         for topic in topics:
             if topic in self.copies and (message := reader.message(data, topic)):
                 self.copies[topic](message)
-
-    def _is_of_use(self, topics: tuple[str, ...], tick: int) -> bool:
-        return not self._skips or self._node.lock.needs(topics[0], tick)
 
     def _put(self, topics: tuple[str, ...], tick: int, samples: tuple[Any, ...]) -> bool:
         """Puts what came in one piece into the lock; returns whether it is ready now."""

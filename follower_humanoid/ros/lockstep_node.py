@@ -73,7 +73,7 @@ class LockStepNode(ManagedNode):
         self.bus = bus
         self.inlet = Inlet(self)
         if bus is not None:
-            bus.join(wiring.name, self.inlet.accept, self.run_ready_steps)
+            bus.join(wiring.name, self.run_ready_steps)
         self.started = self.idle = self.away = False
         self.reset_at: int | None = None
         self.outlet: Outlet

@@ -16,7 +16,12 @@ SENT_AT = struct.Struct("<q")
 
 
 class Outgoing:
-    """Whom a node reaches by a line."""
+    """Whom a node reaches by a line.
+
+    Attributes:
+        reach_quick: Whether anybody hears every tick.
+        reach_slow: Whether anybody hears those that slow nodes use.
+    """
 
     def __init__(self, node: NodeWiring, table: Mapping[str, NodeWiring]) -> None:
         """Args: the node, and everyone by name."""
@@ -25,14 +30,12 @@ class Outgoing:
         self._recorder = self._mouths.get(RECORDER)
         self._slow = [mouth for name, mouth in nodes.items() if hears_slow(table[name], node)]
         self._quick = [mouth for mouth in nodes.values() if mouth not in self._slow]
+        self.reach_quick = bool(self._quick or self._recorder is not None)
+        self.reach_slow = bool(self._slow)
 
     def hearers(self) -> frozenset[str]:
         """Names of all who hear it now."""
         return frozenset([name for name, mouth in self._mouths.items() if mouth.open])
-
-    def wanted(self, of_slow: bool) -> bool:
-        """Whether anybody hears a tick, one that slow nodes use or another."""
-        return bool(self._quick or self._recorder is not None or (of_slow and self._slow))
 
     def send(self, envelope: bytes, of_slow: bool) -> None:
         """Sends a tick's envelope."""

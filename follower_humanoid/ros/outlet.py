@@ -133,18 +133,20 @@ class Outlet:
         node = self._node
         stamp = tick * node.tick_ns
         samples = {topic: getattr(outputs, name) for name, topic in self._fields}
-        of_slow = any((tick + lag) % period == 0 for lag, period in self._slow_ticks)
+        slow_heard = self._slow_listeners is not None and self._slow_listeners.others
+        of_slow = (slow_heard or self._lines.reach_slow) and self._is_used_by_slow(tick)
         sealed = self._sealed_listeners.others
-        slow = of_slow and self._slow_listeners is not None and self._slow_listeners.others
-        if sealed or slow or self._lines.wanted(of_slow):  # first what others wait for
+        messages: dict[str, bytes] = {}
+        if sealed or of_slow or self._lines.reach_quick:  # first what others wait for
             data, places = self._writer.seal(samples, stamp)
             self._lines.send(data, of_slow)
             if sealed:
                 self._sealed.publish(data)
-            if slow:
+            if of_slow and slow_heard:
                 self._slow.publish(data)
-            messages = {topic: data[places[topic]] for topic in self._heard if topic in places}
-        else:
+            if self._heard:
+                messages = {topic: data[places[topic]] for topic in self._heard if topic in places}
+        elif self._heard:
             messages = {
                 topic: self._codecs[topic].encode(samples[topic], stamp)
                 for topic in self._heard
@@ -159,6 +161,9 @@ class Outlet:
             for topic, sample in samples.items():
                 if sample is None and topic in _READ_BY_NODES:
                     self._say_absent(topic, stamp)
+
+    def _is_used_by_slow(self, tick: int) -> bool:
+        return any((tick + lag) % period == 0 for lag, period in self._slow_ticks)
 
     def flush(self) -> int:
         """Sends what others had no room for; returns how many messages are left."""

@@ -45,7 +45,7 @@ class SimulatorNode(LockStepNode):
         self._peak_voltage, self._saturated = 0.0, 0
         self.create_service(Trigger, "reset", self._reset_asked)
         self._inputs = self.wiring.component_class().Inputs
-        self._input_of = {topic: name for name, topic in self.wiring.inputs.items()}
+        self._topics = [self.wiring.inputs[name] for name in self._inputs.__match_args__]
         self._people: dict[str, PeopleWrench] = {}
         self._began = self._stepped = 0.0
         self._tick_times = Durations()
@@ -148,12 +148,13 @@ class SimulatorNode(LockStepNode):
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One tick of physics, then the next state."""
         self._holding.note(tick, samples)
-        values = {self._input_of[topic]: sample for topic, sample in samples.items()}
-        for person in self._people.values():
-            held = person.at(tick * self.graph.tick)
+        given = dict(samples)
+        time_now = tick * self.graph.tick
+        for topic, person in self._people.items():
+            held = person.at(time_now)
             if held is not None:
-                values[self._input_of[person.topic]] = held
-        inputs = self._inputs(**values)
+                given[topic] = held
+        inputs = self._inputs(*map(given.get, self._topics))
         if self.lock.tick == self.reset_at:
             self.component.reset()
         else:
