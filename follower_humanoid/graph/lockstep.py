@@ -91,7 +91,7 @@ class LockStep:
         names = dict.fromkeys(topics or node.inputs.values())
         self._inputs = {name: self._input(name, present) for name in names}
         if hears_clock(node, present):
-            self._inputs[CLOCK] = Input((CLOCK,), SIMULATOR, 1, at_once=True, foreign=False)
+            self._inputs[CLOCK] = Input((CLOCK,), SIMULATOR, 1, at_once=True, foreign=False, once=True)
         self._entries = list(self._inputs.values())
         self._some_held = any(entry.held for entry in self._entries)
         self._await()
@@ -111,11 +111,11 @@ class LockStep:
             self._inputs[topic] = first
         self._count_missing()
 
-    @staticmethod
-    def _input(topic: str, present: Collection[str]) -> Input:
-        producer = PRODUCER[topic]
+    def _input(self, topic: str, present: Collection[str]) -> Input:
+        producer, at_once = PRODUCER[topic], is_same_tick(topic)
         foreign = producer.name not in present
-        made = Input((topic,), producer.name, producer.period, is_same_tick(topic), foreign)
+        once = not foreign and (at_once or producer.period <= self._period)
+        made = Input((topic,), producer.name, producer.period, at_once, foreign, once)
         made.held = foreign and is_optional(topic)
         return made
 
@@ -164,6 +164,10 @@ class LockStep:
             True where it made the step of `tick` possible.
         """
         entry = self._inputs[topic]
+        if tick is not None and tick == entry.awaited and entry.missing and not entry.foreign:
+            entry.samples[tick] = sample
+            self._missing -= 1
+            return self._missing == 0
         on_grid = tick is not None and tick % entry.period == 0
         if entry.held and sample is None:
             return False  # nobody waits for it

@@ -14,6 +14,7 @@ class Input:
     period: int
     at_once: bool  # True where the message of a tick is used at that tick; even a stranger is waited for
     foreign: bool
+    once: bool  # True where no message of a node of ours serves more than one step
     awaited: int | None = None
     samples: dict[int, object] = field(default_factory=dict)
     held: bool = False
@@ -30,10 +31,12 @@ class Input:
         return self.begins <= self.awaited and (self.left is None or self.awaited < self.left)
 
     def value(self, held_from: int) -> object:
-        """What a step uses; a held message only if it came at tick `held_from` or later."""
+        """What a step uses, asked for once; what is held only if it came at tick `held_from` or later."""
         if self.held:
             return self.newest if self.held_since >= held_from else None
-        return None if self.awaited is None else self.samples.get(self.awaited)
+        if self.awaited is None:
+            return None
+        return self.samples.pop(self.awaited, None) if self.once else self.samples.get(self.awaited)
 
     def forget(self, before: int) -> None:
         """Drops what no step needs any more; the newest is kept for the case that a stranger falls silent."""

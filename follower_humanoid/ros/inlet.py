@@ -112,7 +112,8 @@ class Inlet:
     ) -> bool:
         """Takes in what a node of the same process has sent; returns whether the lock is ready now."""
         node = self._node
-        node.come_back(tick)
+        if node.away:
+            node.come_back(tick)
         if messages:
             for topic in self.copies.keys() & messages.keys():
                 self.copies[topic](messages[topic])
