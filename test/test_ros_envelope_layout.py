@@ -68,6 +68,23 @@ def test_written_in_one_piece_it_is_the_same_bytes(name):
                 assert data[places[topic]] == CODECS[topic].encode(sample, stamp)
 
 
+def test_numbers_of_any_kind_and_order_in_memory_are_written_as_doubles():
+    node, rng = NODES["leg_controller"], np.random.default_rng(4)
+    (topic, sample), *_ = samples_of(node, rng, absent=0.0).items()
+    n = len(sample.effort)
+    odd = dataclasses.replace(sample, position=np.arange(n), velocity=np.arange(2.0 * n)[::2])
+    data, places = EnvelopeWriter(Envelope(node), CODECS).seal({topic: odd}, STAMP)
+    assert data[places[topic]] == CODECS[topic].encode(odd, STAMP)
+
+
+def test_an_array_of_a_wrong_length_is_never_sent():
+    node, rng = NODES["leg_controller"], np.random.default_rng(4)
+    (topic, sample), *_ = samples_of(node, rng, absent=0.0).items()
+    short = dataclasses.replace(sample, effort=sample.effort[1:])
+    with pytest.raises(ValueError, match="wrong length"):
+        EnvelopeWriter(Envelope(node), CODECS).seal({topic: short}, STAMP)
+
+
 @pytest.mark.parametrize("name", NODES)
 def test_read_in_one_look_it_is_the_same_samples(name):
     node, rng = NODES[name], np.random.default_rng(5)

@@ -22,10 +22,10 @@ from follower_humanoid.core.cdr import HEADER
 from follower_humanoid.graph.wiring import NodeWiring
 from follower_humanoid.ros.validation import MessageError
 
-_STAMP = struct.Struct("<q")
+STAMP = struct.Struct("<q")
 # Of a UInt8MultiArray: no dimensions, no offset, length of the data.
 _FRONT = struct.Struct("<III")
-_DATA = len(HEADER) + _FRONT.size
+_DATA = STAMP_AT = len(HEADER) + _FRONT.size
 
 
 def envelope_topic(node: str, slow: bool = False) -> str:
@@ -65,7 +65,7 @@ class Envelope:
         self.topics = tuple(node.outputs.values())
         self.name = envelope_topic(node.name)
         self._lengths = struct.Struct(f"<{len(self.topics)}I")
-        self.contents = _DATA + _STAMP.size + self._lengths.size
+        self.contents = _DATA + STAMP.size + self._lengths.size
 
     def seal(self, stamp: int, messages: Sequence[bytes]) -> bytes:
         """The serialised envelope.
@@ -75,13 +75,8 @@ class Envelope:
             messages: One per topic; empty where there is none at this tick.
         """
         lengths = self._lengths.pack(*map(len, messages))
-        data = b"".join((_STAMP.pack(stamp), lengths, *messages))
+        data = b"".join((STAMP.pack(stamp), lengths, *messages))
         return b"".join((HEADER, _FRONT.pack(0, 0, len(data)), data))
-
-    @staticmethod
-    def put_stamp(data: bytearray, stamp: int) -> None:
-        """Renews the stamp [ns] of a serialised envelope."""
-        _STAMP.pack_into(data, _DATA, stamp)
 
     def stamp(self, data: bytes) -> int:
         """Time of the tick [ns].
@@ -91,11 +86,11 @@ class Envelope:
         """
         if len(data) < self.contents:
             raise MessageError(self.name, f"{len(data)} bytes are no envelope")
-        return int(_STAMP.unpack_from(data, _DATA)[0])
+        return int(STAMP.unpack_from(data, _DATA)[0])
 
     def lengths(self, data: bytes) -> bytes:
         """The table of lengths as it is."""
-        return data[_DATA + _STAMP.size : self.contents]
+        return data[_DATA + STAMP.size : self.contents]
 
     def open(self, data: bytes) -> tuple[int, list[bytes]]:
         """The inverse of `seal`: stamp [ns] and messages.

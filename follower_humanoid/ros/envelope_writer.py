@@ -1,29 +1,28 @@
-"""Writes a node's envelopes: numbers and stamps go straight to their places in a copy that is kept."""
+"""Writes a node's envelopes: numbers and stamps as bytes, put between those that stay the same."""
 
 from __future__ import annotations
 
+import itertools
 import struct
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from follower_humanoid.core.cdr import NANOSECONDS, STAMP_SIZE
 from follower_humanoid.ros.codecs import Codec
-from follower_humanoid.ros.envelope import Envelope
+from follower_humanoid.ros.envelope import STAMP, STAMP_AT, Envelope
 
 _LARGEST_CACHE = 64
 _ABSENT = object()
-_STAMP = struct.Struct("<iI")  # builtin_interfaces/Time
+_TIME = struct.Struct("<iI")  # builtin_interfaces/Time
 
 
 class _Form:
     """Envelopes whose messages are of certain layouts.
 
     Attributes:
-        data: The envelope as it was filled last.
-        places: Where each message that is there lies in it.
+        places: Where each message that is there lies in such an envelope.
     """
 
     def __init__(self, envelope: Envelope, codecs: Mapping[str, Codec], shapes: Sequence[Hashable]) -> None:
@@ -33,29 +32,46 @@ class _Form:
             if shape is not _ABSENT
         }
         empty = [bytes(layouts[topic].data) if topic in layouts else b"" for topic in envelope.topics]
-        self.data = bytearray(envelope.seal(0, empty))
         self.places: dict[str, slice] = {}
-        self._stamps: list[slice] = []
-        self._views: list[tuple[str, Codec, list[NDArray[Any]]]] = []
+        spans = {(STAMP_AT, STAMP_AT + STAMP.size)}
+        times: list[tuple[int, int]] = []
+        blocks: list[tuple[str, Codec, list[tuple[tuple[int, int], np.dtype[Any]]]]] = []
         at = envelope.contents
         for topic, layout in layouts.items():
             self.places[topic] = slice(at, at + len(layout.data))
-            self._stamps += [slice(at + offset, at + offset + STAMP_SIZE) for offset in layout.stamps]
-            views = [
-                np.frombuffer(self.data, np.dtype("<" + slot.code), slot.count, at + slot.offset)
-                for slot in layout.slots
-            ]
-            self._views.append((topic, codecs[topic], views))
+            times += [(at + offset, at + offset + STAMP_SIZE) for offset in layout.stamps]
+            slots = [((at + s.offset, at + s.end), np.dtype("<" + s.code)) for s in layout.slots]
+            blocks.append((topic, codecs[topic], slots))
+            spans.update(span for span, _ in slots)
             at += len(layout.data)
+        spans.update(times)
+        data = envelope.seal(0, empty)
+        self._size = len(data)
+        # The envelope from cut to cut: pieces that change, and between them those that stay the same.
+        cuts = sorted({0, self._size, *itertools.chain(*spans)})
+        self._pieces = [data[begin:end] for begin, end in itertools.pairwise(cuts)]
+        number = {begin: index for index, begin in enumerate(cuts)}
+        self._stamp = number[STAMP_AT]
+        self._times = [number[begin] for begin, _ in times]
+        self._numbers = [
+            (topic, codec, [(number[begin], kind) for (begin, _), kind in slots])
+            for topic, codec, slots in blocks
+        ]
 
-    def fill(self, samples: Mapping[str, Any], stamp: int) -> None:
-        """Writes these numbers and this stamp [ns]."""
-        for topic, codec, views in self._views:
-            for view, values in zip(views, codec.numbers(samples[topic]), strict=True):
-                view[:] = values
-        time = _STAMP.pack(*divmod(stamp, NANOSECONDS))
-        for place in self._stamps:
-            self.data[place] = time
+    def filled(self, samples: Mapping[str, Any], stamp: int) -> bytes:
+        """The envelope with these numbers and this stamp [ns]."""
+        pieces = self._pieces
+        pieces[self._stamp] = STAMP.pack(stamp)
+        time = _TIME.pack(*divmod(stamp, NANOSECONDS))
+        for index in self._times:
+            pieces[index] = time
+        for topic, codec, slots in self._numbers:
+            for (index, kind), values in zip(slots, codec.numbers(samples[topic]), strict=True):
+                pieces[index] = (values if values.dtype is kind else values.astype(kind)).tobytes()
+        data = b"".join(pieces)
+        if len(data) != self._size:
+            raise ValueError(f"{len(data)} bytes in an envelope of {self._size}: an array of a wrong length")
+        return data
 
 
 class EnvelopeWriter:
@@ -75,14 +91,14 @@ class EnvelopeWriter:
             stamp: Time of the tick [ns].
         """
         shapes = tuple(
-            _ABSENT if sample is None else codec.shape(sample)
-            for codec, sample in zip(self._ordered, samples.values(), strict=True)
+            [
+                _ABSENT if sample is None else codec.shape(sample)
+                for codec, sample in zip(self._ordered, samples.values(), strict=True)
+            ]
         )
         form = self._forms.get(shapes)
         if form is None:
             if len(self._forms) >= _LARGEST_CACHE:
                 self._forms.clear()
             form = self._forms[shapes] = _Form(self._envelope, self._codecs, shapes)
-        form.fill(samples, stamp)
-        self._envelope.put_stamp(form.data, stamp)
-        return bytes(form.data), form.places
+        return form.filled(samples, stamp), form.places
