@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode
 
 ABSENT = "graph/absent"
-_LOOK_EVERY = 25  # messages between two looks for new listeners
+LOOK_EVERY = 25  # messages between two looks for new listeners
 _READ_BY_NODES = frozenset(topic for node in NODES.values() for topic in node.inputs.values())
 
 
@@ -127,7 +127,7 @@ class Outlet:
 
     def send(self, outputs: Any, tick: int) -> None:
         """Sends every output that is there, and says of the others that they are not."""
-        if self._sent % _LOOK_EVERY == 0:
+        if self._sent % LOOK_EVERY == 0:
             self.look()
         self._sent += 1
         node = self._node

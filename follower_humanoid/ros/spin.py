@@ -30,8 +30,7 @@ from follower_humanoid.ros.transport import asked_to_be_open, choose_network
 
 PARENT = "FOLLOWER_HUMANOID_PARENT"
 _PR_SET_PDEATHSIG = 1
-_TURN = 0.01  # wall time for which steps within the process keep the executor waiting [s]
-_LONG_TURN = 0.02  # the same where a node waits for messages by itself [s]
+_TURN = 0.02  # wall time for which the nodes' steps keep the executor waiting [s]
 _LAST_WORD = 0.1  # s
 _DISMISSAL = 1.5  # s
 _LONGEST_WIND_DOWN = 0.5  # s
@@ -174,7 +173,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
 
 def _attend(executor: Any, node: ManagedNode, stop: StopSignal) -> None:
     """Turns between the messages that the node fetches itself and all else."""
-    until = time.monotonic() + _LONG_TURN
+    until = time.monotonic() + _TURN
     attended = False
     while (left := until - time.monotonic()) > 0.0 and not stop.over and node.attend(left):
         attended = True
