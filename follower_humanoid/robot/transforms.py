@@ -41,6 +41,8 @@ class TransformTree:
         self.moving = ((WORLD, base), *(edge for edge, fixed in edges.items() if not fixed))
         self.fixed = tuple(edge for edge, fixed in edges.items() if fixed)
         self._data = self._model.createData()
+        # Looked up once: a frame is found by its name among all.
+        self._ids = {edge: self._frame_ids(*edge) for edge in (*self.moving, *self.fixed)}
         self.joint_names = tuple(self._model.names)[2:]
 
     def place(self, position: Array, quat_xyzw: Array, joints: Array) -> None:
@@ -56,13 +58,14 @@ class TransformTree:
 
     def poses(self, edges: tuple[Edge, ...]) -> Array:
         """Child in parent of the posture: position [m] and quaternion (x, y, z, w), shape (n, 7)."""
-        return np.array([pin.SE3ToXYZQUAT(self._pose(*edge)) for edge in edges])
+        return np.array([pin.SE3ToXYZQUAT(self._pose(*self._ids[edge])) for edge in edges])
 
-    def _pose(self, parent: str, child: str) -> pin.SE3:
-        placement = self._data.oMf[self._model.getFrameId(child)]
-        if parent == WORLD:
-            return placement
-        return self._data.oMf[self._model.getFrameId(parent)].actInv(placement)
+    def _frame_ids(self, parent: str, child: str) -> tuple[int | None, int]:
+        return None if parent == WORLD else self._model.getFrameId(parent), self._model.getFrameId(child)
+
+    def _pose(self, parent: int | None, child: int) -> pin.SE3:
+        placement = self._data.oMf[child]
+        return placement if parent is None else self._data.oMf[parent].actInv(placement)
 
 
 def _edge(joint: ElementTree.Element) -> Edge:

@@ -50,8 +50,9 @@ class Mouth:
         """
         if len(data) > LARGEST:
             raise ValueError(f"a message of {len(data)} bytes: valid: up to {LARGEST}")
-        left = self.flush()
-        if self.open and (left or not self._push(data)):
+        if self._late:
+            self.flush()
+        if self.open and (self._late or not self._push(data)):
             self.lost += len(self._late) == self._late.maxlen
             self._late.append(data)
 
