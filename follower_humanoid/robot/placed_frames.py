@@ -59,14 +59,13 @@ class PlacedFrames:
         )  # fmt: skip
 
 
-@kernel("(float64[:,::1], float64[::1])")
-def _along(axes: Array, vector: Array) -> Array:
-    """A vector given along three axes, of which each is a row."""
-    result = np.zeros(3)
-    for axis in range(3):
-        for row in range(3):
+@kernel("void(float64[:,::1], float64[::1], float64[::1])")
+def _along(axes: Array, vector: Array, result: Array) -> None:
+    """Writes a vector given along three axes, of which each is a row."""
+    for row in range(3):
+        result[row] = 0.0
+        for axis in range(3):
             result[row] += axes[axis, row] * vector[axis]
-    return result
 
 
 @kernel(
@@ -78,13 +77,19 @@ def _add_wrenches(
     moved_by: NDArray[np.bool_], wrenches: Array, in_frame: NDArray[np.bool_], forces: Array,
 ) -> None:  # fmt: skip
     """`Q += Jᵀ (f, p × f + τ)`: power of each wrench, taken about the origin of world, on every column."""
+    point, force, torque, turned = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     for n in range(joints.size):
         joint_axes = poses[joints[n], :3]
-        point = poses[joints[n], 3] + _along(joint_axes, offsets[n])
-        force, torque = wrenches[n, :3].copy(), wrenches[n, 3:].copy()
+        _along(joint_axes, offsets[n], point)
+        for row in range(3):
+            point[row] += poses[joints[n], 3, row]
         if in_frame[n]:
-            force = _along(joint_axes, _along(axes[n], force))
-            torque = _along(joint_axes, _along(axes[n], torque))
+            _along(axes[n], wrenches[n, :3], turned)
+            _along(joint_axes, turned, force)
+            _along(axes[n], wrenches[n, 3:], turned)
+            _along(joint_axes, turned, torque)
+        else:
+            force[:], torque[:] = wrenches[n, :3], wrenches[n, 3:]
         torque[0] += point[1] * force[2] - point[2] * force[1]
         torque[1] += point[2] * force[0] - point[0] * force[2]
         torque[2] += point[0] * force[1] - point[1] * force[0]
