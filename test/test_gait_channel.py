@@ -8,7 +8,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from follower_humanoid.gait.channel import ConstantSpeedChannel, MinimumJerkChannel
+from follower_humanoid.gait.channel import (
+    ConstantSpeedChannel,
+    MinimumJerkChannel,
+    along_quintic,
+    constant_speed_tick,
+    hardest_to_come,
+    least_jerk_tick,
+    time_not_beyond,
+)
 
 DT = 0.002
 
@@ -165,3 +173,31 @@ def test_sent_back_to_where_it_is_just_passing_it_stops_gently() -> None:
     path = drive(channel, 2.0, lambda t: target)
     np.testing.assert_allclose(channel.position, target, atol=1e-9)
     assert np.abs(path[:, 2]).max() < 40.0
+
+
+def test_a_tick_is_a_piece_of_the_quintic_or_the_arrival() -> None:
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        way = (*rng.normal(size=(3, 2)), rng.normal(size=2), rng.uniform(0.0, 4.0 * DT))
+        time = time_not_beyond(*way)
+        rest = np.stack((way[3], np.zeros(2), np.zeros(2)))
+        expected = rest if time <= DT else along_quintic(*way[:4], time, DT)
+        np.testing.assert_array_equal(least_jerk_tick(*way, DT), expected)
+
+
+def test_the_hardest_to_come_is_the_largest_of_samples_along_the_quintic() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        way = (*rng.normal(size=(3, 2)), rng.normal(size=2), rng.uniform(0.1, 2.0))
+        time = time_not_beyond(*way)
+        samples = [along_quintic(*way[:4], time, time * n / 8)[2] for n in range(1, 8)]
+        assert hardest_to_come(*way) == max(math.sqrt(np.sum(a**2)) for a in samples)
+
+
+def test_a_tick_at_constant_speed_is_part_of_the_way() -> None:
+    rng = np.random.default_rng(6)
+    position, target = rng.normal(size=(2, 3))
+    for remaining in (0.0, DT, 1.5 * DT, 0.7):
+        speed = (target - position) / remaining if remaining > DT else np.zeros(3)
+        expected = (position + DT * speed, speed) if remaining > DT else (target, speed)
+        np.testing.assert_array_equal(constant_speed_tick(position, target, remaining, DT), expected)

@@ -75,16 +75,54 @@ def time_not_beyond(position: Array, velocity: Array, acceleration: Array, targe
 SAMPLES = 8  # of an acceleration that has its extremes in between
 
 
+@kernel("float64[:,::1](float64[::1], float64[::1], float64[::1], float64[::1], float64, float64)")
+def least_jerk_tick(
+    position: Array, velocity: Array, acceleration: Array, target: Array, remaining: float, dt: float
+) -> Array:
+    """State after a tick `dt` [s] on the way to rest at the target in `remaining` [s] or sooner.
+
+    Arguments and what is returned as in `along_quintic`.
+    """
+    time = time_not_beyond(position, velocity, acceleration, target, remaining)
+    if time <= dt:
+        arrived = np.zeros((3, len(position)))
+        arrived[0] = target
+        return arrived
+    return along_quintic(position, velocity, acceleration, target, time, dt)
+
+
 @kernel("float64(float64[::1], float64[::1], float64[::1], float64[::1], float64)")
-def hardest_on_quintic(
-    position: Array, velocity: Array, acceleration: Array, target: Array, T: float
+def hardest_to_come(
+    position: Array, velocity: Array, acceleration: Array, target: Array, remaining: float
 ) -> float:
-    """Largest acceleration still to come along the quintic of `along_quintic`, its start left out."""
+    """Largest acceleration still to come on the way of `least_jerk_tick`, its start left out."""
+    T = time_not_beyond(position, velocity, acceleration, target, remaining)
     largest = 0.0
     for n in range(1, SAMPLES):
         to_come = along_quintic(position, velocity, acceleration, target, T, T * n / SAMPLES)[2]
         largest = max(largest, math.sqrt(np.sum(to_come**2)))
     return largest
+
+
+@kernel("float64[:,::1](float64[::1], float64[::1], float64, float64)")
+def constant_speed_tick(position: Array, target: Array, remaining: float, dt: float) -> Array:
+    """Position and velocity after a tick `dt` [s] on the straight way to a target in `remaining` [s].
+
+    Args:
+        position, target: Shape (n,).
+        remaining, dt: [s].
+
+    Returns:
+        Shape (2, n); at rest on the target if it is reached within the tick.
+    """
+    state = np.zeros((2, len(position)))
+    for i in range(len(position)):
+        if remaining <= dt:
+            state[0, i] = target[i]
+        else:
+            state[1, i] = (target[i] - position[i]) / remaining
+            state[0, i] = position[i] + dt * state[1, i]
+    return state
 
 
 class MinimumJerkChannel:
@@ -95,13 +133,8 @@ class MinimumJerkChannel:
     """
 
     def __init__(self, position: Array) -> None:
-        self.reset(position)
-
-    def reset(self, position: Array) -> None:
-        """Puts the channel at rest at a position."""
         self.position: Array = np.array(position, dtype=float)
-        self.velocity: Array = np.zeros(len(self.position))
-        self.acceleration: Array = np.zeros(len(self.position))
+        self.velocity = self.acceleration = self._none = np.zeros(len(self.position))
 
     def advance(self, target: Array, remaining: float, dt: float) -> None:
         """One tick along the quintic from the present state to rest at the target.
@@ -111,11 +144,7 @@ class MinimumJerkChannel:
             remaining: Time until the target must be reached [s].
             dt: Tick [s].
         """
-        remaining = self._time_to(target, remaining)
-        if remaining <= dt:
-            self.reset(target)
-            return
-        self.position, self.velocity, self.acceleration = along_quintic(
+        self.position, self.velocity, self.acceleration = least_jerk_tick(
             self.position, self.velocity, self.acceleration, target, remaining, dt
         )
 
@@ -123,16 +152,12 @@ class MinimumJerkChannel:
         """Largest acceleration on the way to a target that must be reached in `remaining` [s]."""
         if remaining <= 0.0:
             return 0.0
-        time = self._time_to(target, remaining)
-        return float(hardest_on_quintic(self.position, self.velocity, self.acceleration, target, time))
-
-    def _time_to(self, target: Array, remaining: float) -> float:
-        return float(time_not_beyond(self.position, self.velocity, self.acceleration, target, remaining))
+        return float(hardest_to_come(self.position, self.velocity, self.acceleration, target, remaining))
 
     def hold(self, dt: float, settling: float = 0.05) -> None:
         """No primitive owns the channel: what speed is left fades within `settling` [s]."""
-        self.acceleration = np.zeros(len(self.position))
-        if self.velocity.any():
+        self.acceleration = self._none
+        if any(self.velocity.tolist()):
             self.velocity = self.velocity * max(0.0, 1.0 - dt / settling)
             self.position = self.position + dt * self.velocity
 
@@ -145,21 +170,14 @@ class ConstantSpeedChannel:
     """
 
     def __init__(self, position: Array) -> None:
-        self.reset(position)
-
-    def reset(self, position: Array) -> None:
-        """Puts the channel at rest at a position."""
         self.position: Array = np.array(position, dtype=float)
-        self.velocity: Array = np.zeros(len(self.position))
+        self.velocity = self._none = np.zeros(len(self.position))
 
     def advance(self, target: Array, remaining: float, dt: float) -> None:
         """One tick towards the target; see `MinimumJerkChannel.advance`."""
-        if remaining <= dt:
-            self.reset(target)
-            return
-        self.velocity = (target - self.position) / remaining
-        self.position = self.position + dt * self.velocity
+        self.position, self.velocity = constant_speed_tick(self.position, target, remaining, dt)
 
     def hold(self, dt: float) -> None:
         """No primitive owns the channel: it stays."""
-        self.velocity = np.zeros(len(self.position))
+        del dt
+        self.velocity = self._none
