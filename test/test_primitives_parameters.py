@@ -155,10 +155,10 @@ def test_bend_lifts_over_the_higher_ground_by_step_height() -> None:
 def test_lower_goes_to_the_ground_and_is_done_where_it_meets_it() -> None:
     lower = Lower(start=0.5, depth=0.01)
     np.testing.assert_allclose(lower.target(CONTEXT), [0.05 - 0.01])
-    touching, brushing = (replace(CONTEXT, swing_load=load) for load in (40.0, 20.0))
-    assert lower.finished(touching, 0.8)
-    assert not lower.finished(brushing, 0.8)
-    assert not lower.finished(touching, 0.4)  # the load before it has begun is another matter
+    touching, brushing = 40.0, 20.0
+    assert lower.finished(CONTEXT, touching, 0.8)
+    assert not lower.finished(CONTEXT, brushing, 0.8)
+    assert not lower.finished(CONTEXT, touching, 0.4)  # the load before it has begun is another matter
 
 
 def test_stretch_reaches_the_landing_place_shifted_in_its_own_axes() -> None:
@@ -180,4 +180,4 @@ def test_window_activity_completion_and_end(word: str) -> None:
     completion = [primitive.completion(p) for p in (0.0, 0.2, 0.45, 0.7, 1.0)]
     np.testing.assert_allclose(completion, [0.0, 0.0, 0.5, 1.0, 1.0], atol=1e-12)
     # Without contact only the window ends a primitive.
-    assert not any(primitive.finished(CONTEXT, p) for p in (0.0, 0.5, 1.0))
+    assert not any(primitive.finished(CONTEXT, 0.0, p) for p in (0.0, 0.5, 1.0))

@@ -9,7 +9,7 @@ from follower_humanoid.gait.channel import ConstantSpeedChannel, MinimumJerkChan
 from follower_humanoid.gait.feet import FootPose
 from follower_humanoid.gait.preview import ZmpLeg
 from follower_humanoid.gait.primitives import Primitive, StepContext
-from follower_humanoid.gait.sequence import Phase, Sequence, primitive_name
+from follower_humanoid.gait.sequence import Phase, Sequence
 
 DONE_FOR_GOOD = 0.85  # part of its window after which a primitive that has finished stays so
 
@@ -43,8 +43,12 @@ class HalfStep:
     """Runs the phases of a sequence once.
 
     Attributes:
+        first: Whether it begins out of standing.
         stance: The foot that carries during the swing.
+        swing: The other foot.
         closing: True for a step that only brings the feet together.
+        phase: The present phase.
+        single_support: Whether the swing foot is off the ground by plan.
         progress: Progress of the present phase, 0…1.
         waited: How long the foot has waited to lift off [s].
         pace: Factor on the times of single support; 1 = as the walking parameters say.
@@ -62,37 +66,31 @@ class HalfStep:
     ) -> None:
         self._sequence = sequence
         self._phases = sequence.phases
-        self._index = 0
         swings = [phase.share if phase.single_support else 0.0 for phase in self._phases]
         # Of the swing, the part before and during each phase.
         whole = sum(swings)
         self._swing_parts = [(sum(swings[:n]) / whole, part / whole) for n, part in enumerate(swings)]
         self._shortest_transfer = shortest_transfer
-        self._targets: dict[tuple[int, int], Array] = {}
-        self._done: set[tuple[int, int]] = set()
+        self.first = shortest_transfer > 0.0
         self.stance = stance
         self.swing = swing
         self.closing = closing
-        self.progress = 0.0
         self.waited = 0.0
         self.pace = 1.0
         self.transfer_pace = 1.0
         self.duration = 1.0
+        self._timed_for: tuple[float, float, float] | None = None
+        self._phase_times: tuple[float, ...] = ()
+        self._enter(0)
 
-    @property
-    def first(self) -> bool:
-        """Whether it begins out of standing."""
-        return self._shortest_transfer > 0.0
-
-    @property
-    def phase(self) -> Phase:
-        """The present phase."""
-        return self._phases[self._index]
-
-    @property
-    def single_support(self) -> bool:
-        """Whether the swing foot is off the ground by plan."""
-        return self.phase.single_support
+    def _enter(self, index: int) -> None:
+        """Begins a phase."""
+        self._index = index
+        self.phase = self._phases[index]
+        self.single_support = self.phase.single_support
+        self.progress = 0.0
+        self._targets: dict[int, tuple[StepContext, Array]] = {}
+        self._done: set[int] = set()
 
     @property
     def swing_progress(self) -> float:
@@ -104,20 +102,17 @@ class HalfStep:
         """Time until the swing foot leaves the ground by plan, 0 once it has [s]."""
         if self.single_support:
             return 0.0
-        ahead = [p for p in self._phases[self._index :] if not p.single_support]
-        times = [self._phase_time(phase, self.duration) for phase in ahead]
-        return sum(times) - self.progress * times[0]
+        ahead = self._times(self.duration)[self._index : self._sequence.doubles]
+        return sum(ahead) - self.progress * ahead[0]
 
-    def until_landing(self) -> float:
-        """Time until the swing foot touches down by plan [s]."""
-        times = [self._phase_time(phase, self.duration) for phase in self._phases[self._index :]]
-        return sum(times) - self.progress * times[0]
-
-    def advance(self, context: StepContext, zmp: ConstantSpeedChannel, duration: float, dt: float) -> bool:
+    def advance(
+        self, context: StepContext, load: float, zmp: ConstantSpeedChannel, duration: float, dt: float
+    ) -> bool:
         """One tick of every active primitive.
 
         Args:
             context: What targets are computed from.
+            load: Normal force measured under the swing foot [N].
             zmp: The ZMP channel, which outlives the half-step.
             duration: Time of the half-step by the walking parameters of this tick [s].
             dt: Tick [s].
@@ -126,12 +121,10 @@ class HalfStep:
             True when the last phase has ended with this tick.
         """
         self.duration = duration
-        phase_time = self._phase_time(self.phase, duration)
+        phase_time = self._times(duration)[self._index]
         owned = set()
         for number, primitive in enumerate(self.phase.primitives):
-            if not primitive.active(self.progress):
-                continue
-            if self._finished(number, primitive, context):
+            if not primitive.active(self.progress) or self._finished(number, primitive, context, load):
                 continue
             owned.add(primitive.channel)
             remaining = (primitive.end - self.progress) * phase_time
@@ -145,23 +138,16 @@ class HalfStep:
         self.progress += dt / phase_time
         if self.progress < 1.0 - 1e-9:
             return False
-        self.progress = 0.0
-        self._index += 1
-        if self._index < len(self._phases):
+        if self._index + 1 < len(self._phases):
+            self._enter(self._index + 1)
             return False
-        self._index -= 1
         self.progress = 1.0
         return True
 
     def zmp_plan(self, context: StepContext, duration: float) -> tuple[list[ZmpLeg], list[ZmpLeg]]:
         """What the primitives still to come ask of the ZMP: until lift-off, and until touchdown."""
-        transfer: list[ZmpLeg] = []
-        swing: list[ZmpLeg] = []
-        for number, phase in enumerate(self._phases[self._index :]):
-            begin = self.progress if number == 0 else 0.0
-            part = swing if phase.single_support else transfer
-            part += phase_zmp_plan(phase, begin, context, self._phase_time(phase, duration))
-        return transfer, swing
+        times = self._times(duration)[self._index :]
+        return zmp_legs(self._phases[self._index :], self.progress, context, times)
 
     def swing_effort(self, context: StepContext, duration: float) -> tuple[float, float]:
         """How hard the foot in the air must accelerate to its landing: over the ground, about the vertical.
@@ -175,7 +161,7 @@ class HalfStep:
         """
         efforts = {"swing_place": 0.0, "swing_attitude": 0.0}
         if self.single_support:
-            phase_time = self._phase_time(self.phase, duration)
+            phase_time = self._times(duration)[self._index]
             for primitive in self.phase.primitives:
                 if primitive.channel in efforts and primitive.active(self.progress):
                     remaining = (primitive.end - self.progress) * phase_time
@@ -183,22 +169,29 @@ class HalfStep:
                     efforts[primitive.channel] = channel.effort(primitive.target(context), remaining)
         return efforts["swing_place"], efforts["swing_attitude"]
 
-    def _finished(self, number: int, primitive: Primitive, context: StepContext) -> bool:
+    def _finished(self, number: int, primitive: Primitive, context: StepContext, load: float) -> bool:
         """Whether a primitive's work is done; late in its window for good: a foot may bounce."""
-        key = (self._index, number)
-        if key in self._done:
+        if number in self._done:
             return True
-        finished = primitive.finished(context, self.progress)
+        finished = primitive.finished(context, load, self.progress)
         if finished and primitive.completion(self.progress) > DONE_FOR_GOOD:
-            self._done.add(key)
+            self._done.add(number)
         return finished
 
     def _target(self, number: int, primitive: Primitive, context: StepContext) -> Array:
-        """The target of a primitive of the present phase, kept once it has settled."""
-        key = (self._index, number)
-        if key not in self._targets or primitive.completion(self.progress) < primitive.settled:
-            self._targets[key] = primitive.target(context)
-        return self._targets[key]
+        """Where a primitive of the present phase goes: it changes with the context until it has settled."""
+        aim = self._targets.get(number)
+        if aim is None or (aim[0] is not context and primitive.completion(self.progress) < primitive.settled):
+            aim = self._targets[number] = context, primitive.target(context)
+        return aim[1]
+
+    def _times(self, duration: float) -> tuple[float, ...]:
+        """Time of every phase [s], worked out when the pace changes."""
+        timed_for = duration, self.pace, self.transfer_pace
+        if timed_for != self._timed_for:
+            self._timed_for = timed_for
+            self._phase_times = tuple([self._phase_time(phase, duration) for phase in self._phases])
+        return self._phase_times
 
     def _phase_time(self, phase: Phase, duration: float) -> float:
         """Time of a phase; the transfer out of standing takes its own [s]."""
@@ -211,21 +204,32 @@ class HalfStep:
 
     def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
         """Names of the active primitives and their completion."""
-        running = [p for p in self.phase.primitives if p.active(self.progress)]
-        return tuple(map(primitive_name, running)), tuple([p.completion(self.progress) for p in running])
+        names, completion = [], []
+        for name, primitive in zip(self.phase.names, self.phase.primitives, strict=True):
+            if primitive.active(self.progress):
+                names.append(name)
+                completion.append(primitive.completion(self.progress))
+        return tuple(names), tuple(completion)
 
 
-def phase_zmp_plan(phase: Phase, begin: float, context: StepContext, time: float) -> list[ZmpLeg]:
-    """What the primitives of a phase of `time` [s] ask of the ZMP from progress `begin` on; gaps rest."""
-    legs: list[ZmpLeg] = []
-    for primitive in phase.on_zmp:
-        if primitive.end <= begin:
-            continue
-        if primitive.start > begin:
-            legs.append((None, (primitive.start - begin) * time))
-            begin = primitive.start
-        legs.append((primitive.target(context), (primitive.end - begin) * time))
-        begin = primitive.end
-    if begin < 1.0:
-        legs.append((None, (1.0 - begin) * time))
-    return legs
+def zmp_legs(
+    phases: tuple[Phase, ...], begin: float, context: StepContext, times: tuple[float, ...]
+) -> tuple[list[ZmpLeg], list[ZmpLeg]]:
+    """What primitives ask of the ZMP: until lift-off, and until touchdown.
+
+    Args:
+        phases: Those to come, the present one first.
+        begin: Progress of the first one.
+        context: What targets are computed from.
+        times: Of the phases [s].
+    """
+    transfer: list[ZmpLeg] = []
+    swing: list[ZmpLeg] = []
+    for phase, time in zip(phases, times, strict=True):
+        part = swing if phase.single_support else transfer
+        for primitive, start, end in phase.zmp_windows:
+            if end > begin:
+                target = None if primitive is None else primitive.target(context)
+                part.append((target, (end - max(start, begin)) * time))
+        begin = 0.0
+    return transfer, swing

@@ -64,9 +64,26 @@ class Phase:
                 )
 
     @cached_property
-    def on_zmp(self) -> tuple[Primitive, ...]:
-        """The primitives that move the ZMP, in order of time."""
-        return tuple(sorted((p for p in self.primitives if p.channel == "zmp"), key=lambda p: p.start))
+    def names(self) -> tuple[str, ...]:
+        """Names of the primitives."""
+        return tuple(map(primitive_name, self.primitives))
+
+    @cached_property
+    def zmp_windows(self) -> tuple[tuple[Primitive | None, float, float], ...]:
+        """What moves the ZMP, in order of time: primitive, start and end, 0…1; None while it rests."""
+        windows: list[tuple[Primitive | None, float, float]] = []
+        begin = 0.0
+        for primitive in sorted((p for p in self.primitives if p.channel == "zmp"), key=lambda p: p.start):
+            if primitive.end <= begin:
+                continue
+            if primitive.start > begin:
+                windows.append((None, begin, primitive.start))
+                begin = primitive.start
+            windows.append((primitive, begin, primitive.end))
+            begin = primitive.end
+        if begin < 1.0:
+            windows.append((None, begin, 1.0))
+        return tuple(windows)
 
 
 @dataclass(frozen=True)
@@ -95,6 +112,11 @@ class Sequence:
             raise ConfigurationError(f"sequence '{self.name}': the shares add up to {total}, not 1")
 
     @cached_property
+    def doubles(self) -> int:
+        """How many phases come before lift-off."""
+        return sum(not phase.single_support for phase in self.phases)
+
+    @cached_property
     def double_share(self) -> float:
         """Part of the half-step time on both feet, 0…1."""
         return sum(phase.share for phase in self.phases if not phase.single_support)
@@ -105,6 +127,10 @@ class Sequence:
         if phase.single_support:
             return duration * phase.share * (1.0 - squeeze * double) / (1.0 - double)
         return duration * phase.share * squeeze
+
+    def times(self, duration: float) -> tuple[float, ...]:
+        """Times of all phases [s]."""
+        return tuple([self.phase_time(phase, duration) for phase in self.phases])
 
     def double_time(self, duration: float) -> float:
         """Time on both feet in a half-step of `duration` [s]."""

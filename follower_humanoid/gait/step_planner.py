@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from follower_humanoid.core.samples import Array, Gait, Side
 from follower_humanoid.gait.feet import FootPose, FootstepConfig, beside, landing_pose, midpoint
-from follower_humanoid.gait.half_step import HalfStep, phase_zmp_plan
+from follower_humanoid.gait.half_step import HalfStep, zmp_legs
 from follower_humanoid.gait.primitives import StepContext
 from follower_humanoid.gait.sequence import Sequence
 from follower_humanoid.gait.walk_plan import Plan, WalkerConfig
@@ -21,6 +21,7 @@ class StepPlanner:
         self._sequence = sequence
         # Asked for again and again while nothing changes.
         self._landing_pose = lru_cache(maxsize=16)(landing_pose)
+        self._context: StepContext | None = None
 
     def landing(self, stance: FootPose, gait: Gait) -> FootPose:
         """Where the other foot lands, beside the stance foot to stand."""
@@ -37,15 +38,14 @@ class StepPlanner:
         """ZMP of standing on both feet, shape (2,) [m]."""
         return midpoint(feet[Side.LEFT], feet[Side.RIGHT], self._config.stand_forward)
 
-    def context(
-        self, stance: FootPose, landing: FootPose, gait: Gait, loads: dict[Side, float]
-    ) -> StepContext:
-        """What primitives of a half-step compute their targets from; `loads` of the feet [N]."""
-        return StepContext(
-            stance=stance, landing=landing, gait=gait, swing_height=self._config.swing_height,
-            swing_load=loads.get(landing.side, 0.0),
-            touchdown_load=self._config.touchdown_load,
-        )  # fmt: skip
+    def context(self, stance: FootPose, landing: FootPose, gait: Gait) -> StepContext:
+        """What primitives of a half-step compute their targets from: the last one if nothing differs."""
+        last = self._context
+        if last is None or last.stance is not stance or last.landing is not landing or last.gait is not gait:
+            config = self._config
+            last = StepContext(stance, landing, gait, config.swing_height, config.touchdown_load)
+            self._context = last
+        return last
 
     def plan(
         self, half: HalfStep, feet: dict[Side, FootPose], gait: Gait, place: FootPose, closing: bool,
@@ -62,7 +62,7 @@ class StepPlanner:
             duration: Time of half-steps [s].
         """
         feet = dict(feet)
-        context = self.context(half.stance, place, gait, {})
+        context = self.context(half.stance, place, gait)
         transfer, swing = half.zmp_plan(context, duration)
         legs = transfer + swing
         landing = len(legs)
@@ -74,11 +74,11 @@ class StepPlanner:
             closing = gait.walk_speed == 0.0
             stance = coming[-1]
             place = self.landing(stance, gait)
-            context = self.context(stance, place, gait, {})
-            for phase in self._sequence.phases:
-                if phase.single_support and lifting is None:
-                    lift_off, lifting = len(legs), feet[place.side]
-                legs += phase_zmp_plan(phase, 0.0, context, self._sequence.phase_time(phase, duration))
+            context = self.context(stance, place, gait)
+            transfer, swing = zmp_legs(self._sequence.phases, 0.0, context, self._sequence.times(duration))
+            if lifting is None:
+                lift_off, lifting = len(legs) + len(transfer), feet[place.side]
+            legs += transfer + swing
             time += duration
             coming.append(place)
             feet[place.side] = place

@@ -105,15 +105,15 @@ class Walker:
         if self._waits(half, steady, dt):
             self._share_load(None, math.inf, dt)
             return None
-        context = self._planner.context(half.stance, self.landing, gait, loads)
-        ended = half.advance(context, self.zmp, self._duration(), dt) or self._touches(half, loads)
+        context, load = self._planner.context(half.stance, self.landing, gait), loads[half.swing.side]
+        ended = half.advance(context, load, self.zmp, self._duration(), dt) or self._touches(half, load)
         self._share_load(half.swing.side, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
 
-    def _touches(self, half: HalfStep, loads: dict[Side, float]) -> bool:
+    def _touches(self, half: HalfStep, load: float) -> bool:
         """Whether the swing has met the ground early, when every moment counts."""
         late = half.swing_progress >= self._config.early_touchdown
-        return self.recovering and late and loads[half.swing.side] > self._config.touchdown_load
+        return self.recovering and late and load > self._config.touchdown_load
 
     def _waits(self, half: HalfStep, steady: bool, dt: float) -> bool:
         """Before its load is taken off, a foot waits for the DCM; not for ever."""
@@ -193,7 +193,7 @@ class Walker:
         if half is None or self.landing is None:
             return 0.0, 0.0
         place, _, duration = self._with(half, self.landing, gait)
-        return half.swing_effort(self._planner.context(half.stance, place, gait, {}), duration)
+        return half.swing_effort(self._planner.context(half.stance, place, gait), duration)
 
     def support(self) -> Array:
         """Support polygon by plan, counter-clockwise, shape (n, 2) [m]."""

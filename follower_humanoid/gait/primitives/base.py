@@ -1,7 +1,7 @@
 """What a motion primitive is (Savić et al. 2016, section RAMP; Raković et al., refs. [5-7] there).
 
 A primitive owns one channel for a window of its phase. It has a target, computed from the four
-walking parameters at every tick, a speed, set by its window and the pace of the half-step, and an
+walking parameters whenever they change, a speed, set by its window and the pace of the half-step, and an
 end condition. Primitives of different channels run in parallel; those of one channel follow one another.
 """
 
@@ -16,14 +16,13 @@ from follower_humanoid.gait.feet import FootPose
 
 @dataclass(frozen=True, slots=True)
 class StepContext:
-    """What primitives compute their targets from.
+    """What primitives compute their targets from; the same one as long as the half-step is not re-aimed.
 
     Attributes:
         stance: The foot that carries during the swing.
         landing: Where the swing foot is going.
-        gait: The walking parameters of this tick.
+        gait: The walking parameters.
         swing_height: Nominal height of the swing foot [m].
-        swing_load: Normal force measured under the swing foot [N].
         touchdown_load: Normal force that counts as contact [N].
     """
 
@@ -31,7 +30,6 @@ class StepContext:
     landing: FootPose
     gait: Gait
     swing_height: float
-    swing_load: float = 0.0
     touchdown_load: float = 20.0
 
 
@@ -55,9 +53,15 @@ class Primitive:
         """Where the channel must be at the end of the window."""
         raise NotImplementedError
 
-    def finished(self, context: StepContext, progress: float) -> bool:
-        """Whether the work is done before the window is over; the channel then rests."""
-        del context, progress
+    def finished(self, context: StepContext, load: float, progress: float) -> bool:
+        """Whether the work is done before the window is over; the channel then rests.
+
+        Args:
+            context: As for the target.
+            load: Normal force measured under the swing foot [N].
+            progress: Of the phase, 0…1.
+        """
+        del context, load, progress
         return False
 
     def active(self, progress: float) -> bool:

@@ -27,6 +27,6 @@ class Lower(Primitive):
         """Height of the swing sole in world, shape (1,) [m]."""
         return np.array([context.landing.z - self.depth])
 
-    def finished(self, context: StepContext, progress: float) -> bool:
+    def finished(self, context: StepContext, load: float, progress: float) -> bool:
         """Whether the ground carries the foot."""
-        return progress > self.start and context.swing_load > context.touchdown_load
+        return progress > self.start and load > context.touchdown_load
