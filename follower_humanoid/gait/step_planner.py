@@ -3,13 +3,29 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import NamedTuple
 
 from follower_humanoid.core.samples import Array, Gait, Side
 from follower_humanoid.gait.feet import FootPose, FootstepConfig, beside, landing_pose, midpoint
 from follower_humanoid.gait.half_step import HalfStep, zmp_legs
+from follower_humanoid.gait.preview import ZmpLeg
 from follower_humanoid.gait.primitives import StepContext
 from follower_humanoid.gait.sequence import Sequence
 from follower_humanoid.gait.walk_plan import Plan, WalkerConfig
+
+
+class _Following(NamedTuple):
+    """Half-steps after the present one.
+
+    Attributes:
+        zmp: Pieces of the ZMP plan.
+        lift_off: How many of them pass until the first lift-off.
+        footsteps: The landing poses.
+    """
+
+    zmp: tuple[ZmpLeg, ...]
+    lift_off: int
+    footsteps: tuple[FootPose, ...]
 
 
 class StepPlanner:
@@ -21,6 +37,7 @@ class StepPlanner:
         self._sequence = sequence
         # Asked for again and again while nothing changes.
         self._landing_pose = lru_cache(maxsize=16)(landing_pose)
+        self._after = lru_cache(maxsize=16)(self._following)
         self._context: StepContext | None = None
 
     def landing(self, stance: FootPose, gait: Gait) -> FootPose:
@@ -42,10 +59,11 @@ class StepPlanner:
         """What primitives of a half-step compute their targets from: the last one if nothing differs."""
         last = self._context
         if last is None or last.stance is not stance or last.landing is not landing or last.gait is not gait:
-            config = self._config
-            last = StepContext(stance, landing, gait, config.swing_height, config.touchdown_load)
-            self._context = last
+            last = self._context = self._aimed(stance, landing, gait)
         return last
+
+    def _aimed(self, stance: FootPose, landing: FootPose, gait: Gait) -> StepContext:
+        return StepContext(stance, landing, gait, self._config.swing_height, self._config.touchdown_load)
 
     def plan(
         self, half: HalfStep, feet: dict[Side, FootPose], gait: Gait, place: FootPose, closing: bool,
@@ -61,27 +79,49 @@ class StepPlanner:
             closing: Whether it only brings the feet together.
             duration: Time of half-steps [s].
         """
-        feet = dict(feet)
-        context = self.context(half.stance, place, gait)
-        transfer, swing = half.zmp_plan(context, duration)
-        legs = transfer + swing
-        landing = len(legs)
-        lift_off, lifting = len(transfer), None if half.single_support else feet[half.swing.side]
-        coming = [place]
-        feet[place.side] = place
-        time = sum(leg[1] for leg in legs)
-        while time < self._config.preview and not (gait.walk_speed == 0.0 and closing):
-            closing = gait.walk_speed == 0.0
-            stance = coming[-1]
-            place = self.landing(stance, gait)
-            context = self.context(stance, place, gait)
-            transfer, swing = zmp_legs(self._sequence.phases, 0.0, context, self._sequence.times(duration))
-            if lifting is None:
-                lift_off, lifting = len(legs) + len(transfer), feet[place.side]
-            legs += transfer + swing
+        transfer, swing = half.zmp_plan(self.context(half.stance, place, gait), duration)
+        present = transfer + swing
+        steps, stop = 0, gait.walk_speed == 0.0
+        time = sum([leg[1] for leg in present])
+        while time < self._config.preview and not (stop and closing):
+            closing = stop
             time += duration
-            coming.append(place)
+            steps += 1
+        other = feet[place.side.other]
+        later = self._after(place, other, gait, steps, closing, duration)
+        if not half.single_support:
+            lift_off, lifting = len(transfer), feet[half.swing.side]
+        elif steps > 0:
+            lift_off, lifting = len(present) + later.lift_off, other
+        else:
+            lift_off, lifting = 0, None
+        return Plan([*present, *later.zmp], len(present), lift_off, lifting, (place, *later.footsteps))
+
+    def _following(
+        self, place: FootPose, other: FootPose, gait: Gait, steps: int, closing: bool, duration: float
+    ) -> _Following:
+        """So many half-steps after a landing.
+
+        Args:
+            place: Where the foot lands.
+            other: Where the other one stands.
+            gait: Walking parameters.
+            steps: How many there are.
+            closing: Whether the last one, that landing if there is none, brings the feet together for good.
+            duration: Time of half-steps [s].
+        """
+        legs: list[ZmpLeg] = []
+        lift_off, footsteps = 0, []
+        feet = {place.side: place, other.side: other}
+        times = self._sequence.times(duration)
+        for number in range(steps):
+            stance, place = place, self.landing(place, gait)
+            transfer, swing = zmp_legs(self._sequence.phases, 0.0, self._aimed(stance, place, gait), times)
+            if number == 0:
+                lift_off = len(transfer)
+            legs += transfer + swing
+            footsteps.append(place)
             feet[place.side] = place
         if closing:
             legs.append((self.rest_point(feet), self._config.stand_time))
-        return Plan(legs, landing, lift_off, lifting, tuple(coming))
+        return _Following(tuple(legs), lift_off, tuple(footsteps))
