@@ -144,9 +144,8 @@ class MinimumJerkChannel:
             remaining: Time until the target must be reached [s].
             dt: Tick [s].
         """
-        self.position, self.velocity, self.acceleration = least_jerk_tick(
-            self.position, self.velocity, self.acceleration, target, remaining, dt
-        )
+        state = least_jerk_tick(self.position, self.velocity, self.acceleration, target, remaining, dt)
+        self.position, self.velocity, self.acceleration = state[0], state[1], state[2]
 
     def effort(self, target: Array, remaining: float) -> float:
         """Largest acceleration on the way to a target that must be reached in `remaining` [s]."""
@@ -175,7 +174,8 @@ class ConstantSpeedChannel:
 
     def advance(self, target: Array, remaining: float, dt: float) -> None:
         """One tick towards the target; see `MinimumJerkChannel.advance`."""
-        self.position, self.velocity = constant_speed_tick(self.position, target, remaining, dt)
+        state = constant_speed_tick(self.position, target, remaining, dt)
+        self.position, self.velocity = state[0], state[1]
 
     def hold(self, dt: float) -> None:
         """No primitive owns the channel: it stays."""

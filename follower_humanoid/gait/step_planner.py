@@ -36,15 +36,15 @@ class StepPlanner:
         self._footsteps = footsteps
         self._sequence = sequence
         # Asked for again and again while nothing changes.
-        self._landing_pose = lru_cache(maxsize=16)(landing_pose)
+        self.landing = lru_cache(maxsize=16)(self._landing)
         self._after = lru_cache(maxsize=16)(self._following)
         self._context: StepContext | None = None
 
-    def landing(self, stance: FootPose, gait: Gait) -> FootPose:
+    def _landing(self, stance: FootPose, gait: Gait) -> FootPose:
         """Where the other foot lands, beside the stance foot to stand."""
         if gait.walk_speed == 0.0:
             return beside(stance, self._footsteps)
-        return self._landing_pose(stance, gait, self._footsteps)
+        return landing_pose(stance, gait, self._footsteps)
 
     def duration(self, pace: Gait) -> float:
         """Time of a half-step [s]."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -27,6 +28,12 @@ from follower_humanoid.gait.walk_plan import Plan, WalkerConfig
 
 TOGETHER = 0.03  # feet closer than this to their places side by side stand together [m], [rad/3]
 COMMITTED = 0.75  # part of the first double support after which the body goes on to its stance foot
+
+
+@lru_cache(maxsize=4)
+def _support(*feet: FootPose) -> Array:
+    """Convex hull of the soles, counter-clockwise, shape (n, 2) [m]."""
+    return convex_hull(np.array([corner for foot in feet for corner in sole_corners(foot)]))
 
 
 class Walker:
@@ -64,7 +71,7 @@ class Walker:
         self.taken: list[tuple[FootPose, bool]] = []
         self._stand_remaining = config.stand_time
         self._planner = StepPlanner(config, footsteps, sequence)
-        self._pace = Gait(1.0, 0.0, 1.0, 1.0, 0.0)
+        self._go_at(Gait(1.0, 0.0, 1.0, 1.0, 0.0))
 
     @property
     def swinging(self) -> Side | None:
@@ -87,8 +94,8 @@ class Walker:
         Returns:
             The foot that has landed by plan with this tick, or None.
         """
-        if gait.walk_speed > 0.0:
-            self._pace = gait
+        if gait.walk_speed > 0.0 and gait is not self._pace:
+            self._go_at(gait)
         if self.half_step is None and gait.walk_speed > 0.0:
             self._begin(self._first_swing(gait), gait, toes, self._config.first_transfer)
         if self.gives_up(gait):
@@ -106,7 +113,7 @@ class Walker:
             self._share_load(None, math.inf, dt)
             return None
         context, load = self._planner.context(half.stance, self.landing, gait), loads[half.swing.side]
-        ended = half.advance(context, load, self.zmp, self._duration(), dt) or self._touches(half, load)
+        ended = half.advance(context, load, self.zmp, self._duration, dt) or self._touches(half, load)
         self._share_load(half.swing.side, half.until_lift_off(), dt)
         return self._land(gait, toes) if ended else None
 
@@ -120,7 +127,7 @@ class Walker:
         if half.single_support or steady or half.until_lift_off() > self._load_time:
             return False
         half.waited += dt
-        return half.waited < self._config.patience * self._duration()
+        return half.waited < self._config.patience * self._duration
 
     @property
     def untouched(self) -> bool:
@@ -143,7 +150,7 @@ class Walker:
             lead=lead,
             swing=[(target, duration / half.pace) for target, duration in swing],
             rest=plan.zmp[plan.landing :],
-            transfer=self._sequence.double_time(self._duration()),
+            transfer=self._sequence.double_time(self._duration),
             moved=self.landing.xy - usual.xy,
             landing=usual,
             foot=half.swing.place.position,
@@ -177,7 +184,7 @@ class Walker:
         half = self.half_step
         if half is None or self.landing is None:
             return Plan([(self._planner.rest_point(self.feet), max(self._stand_remaining, 1e-3))])
-        return self._planner.plan(half, self.feet, gait, self.landing, half.closing, self._duration())
+        return self._planner.plan(half, self.feet, gait, self.landing, half.closing, self._duration)
 
     def plan_with(self, gait: Gait) -> Plan:
         """What the plan would be if these were the walking parameters from now on."""
@@ -197,8 +204,8 @@ class Walker:
 
     def support(self) -> Array:
         """Support polygon by plan, counter-clockwise, shape (n, 2) [m]."""
-        feet = [foot for side, foot in self.feet.items() if side is not self.swinging]
-        return convex_hull(np.array([corner for foot in feet for corner in sole_corners(foot)]))
+        swinging = self.swinging
+        return _support(*(foot for side, foot in self.feet.items() if side is not swinging))
 
     def contacts(self) -> ContactPlan:
         """Planned shares of the weight."""
@@ -211,6 +218,11 @@ class Walker:
         swing = self.half_step.swing
         turning, still = float(swing.attitude.position[0]), self.feet[swing.side.other].yaw
         return mean_yaw(turning, still) if swing.side is Side.LEFT else mean_yaw(still, turning)
+
+    def _go_at(self, pace: Gait) -> None:
+        """From now on half-steps take the time that these walking parameters ask for."""
+        self._pace = pace
+        self._duration = self._planner.duration(pace)
 
     def _begin(
         self, swing: Side, gait: Gait, toes: dict[Side, float], shortest_transfer: float = 0.0
@@ -269,9 +281,6 @@ class Walker:
     def _aim(self, half: HalfStep, gait: Gait) -> FootPose:
         """Where the present half-step goes, what catches a push included."""
         return shifted(self._planner.landing(half.stance, gait), self.shift)
-
-    def _duration(self) -> float:
-        return self._planner.duration(self._pace)
 
     @property
     def _load_time(self) -> float:
