@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from follower_humanoid.core.config import parameter
 
@@ -25,8 +26,7 @@ class PelvisConfig:
     lowest: float = parameter(0.68, "lowest pelvis height", "m", 0.4, 0.9)
 
 
-@dataclass(frozen=True, slots=True)
-class Reach:
+class Reach(NamedTuple):
     """How far a leg must reach.
 
     Attributes:
@@ -54,11 +54,11 @@ class PelvisHeight:
 
     def admissible(self, reaches: list[Reach]) -> float:
         """The highest pelvis at which no leg is longer than it may be [m]."""
-        config, height = self._config, self._standing
-        for reach in reaches:
-            rise = config.leg_reach**2 - reach.horizontal**2
-            height = min(height, reach.ankle_height + math.sqrt(max(rise, 0.01)))
-        return max(height, config.lowest)
+        height, longest = self._standing, self._config.leg_reach**2
+        for ankle_height, horizontal in reaches:
+            rise = longest - horizontal**2
+            height = min(height, ankle_height + math.sqrt(max(rise, 0.01)))
+        return max(height, self._config.lowest)
 
     def advance(self, goal: float, dt: float) -> None:
         """One tick of a critically damped filter towards a height [m]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from follower_humanoid.robot.model import GRAVITY
 MOMENTUM = MomentumConfig(limit=0.3, filter_time=0.01)  # largest shift of the ZMP by λ̇ [m], low-pass [s]
 
 
-@dataclass(frozen=True, slots=True)
-class PendulumState:
+class PendulumState(NamedTuple):
     """CoM, DCM and the ZMP that moves them, in world, shape (2,) each.
 
     Attributes:
@@ -87,7 +86,7 @@ class ReferencePendulum:
         Args:
             dcm: Measured DCM, shape (2,) [m].
         """
-        self.state = replace(self.state, dcm=dcm)
+        self.state = self.state._replace(dcm=dcm)
 
     def advance(
         self,
@@ -112,9 +111,8 @@ class ReferencePendulum:
         """
         old = self.state
         rate = self._momentum_rate.step(momentum, dt)
-        self.state = PendulumState(
-            *swung(old.com, old.dcm, zmp_plan, dcm_plan, momentum, rate, omega, convergence, reach, dt)
-        )
+        new = swung(old.com, old.dcm, zmp_plan, dcm_plan, momentum, rate, omega, convergence, reach, dt)
+        self.state = PendulumState(new[0], new[1], new[2], new[3])
         return self.state
 
 

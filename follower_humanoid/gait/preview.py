@@ -30,8 +30,12 @@ def planned_dcm(zmp: Array, legs: Iterable[ZmpLeg], omega: float, horizon: float
     Returns:
         DCM in world, shape (2,) [m].
     """
-    # Plain numbers: NumPy's calls would cost more than the arithmetic.
     x, y = zmp.tolist()
+    return np.array(_planned(x, y, legs, omega, horizon))
+
+
+def _planned(x: float, y: float, legs: Iterable[ZmpLeg], omega: float, horizon: float) -> tuple[float, float]:
+    """`planned_dcm` in plain numbers: NumPy's calls would cost more than the arithmetic."""
     dcm_x, dcm_y = x, y
     time, discount = 0.0, 1.0
     for target, duration in legs:
@@ -51,7 +55,7 @@ def planned_dcm(zmp: Array, legs: Iterable[ZmpLeg], omega: float, horizon: float
         dcm_x += weight * (next_x - x)
         dcm_y += weight * (next_y - y)
         x, y = next_x, next_y
-    return np.array([dcm_x, dcm_y])
+    return dcm_x, dcm_y
 
 
 def com_after(
@@ -84,5 +88,5 @@ def com_after(
             convergent_x = next_x - lag_x + decay * (convergent_x - x + lag_x)
             convergent_y = next_y - lag_y + decay * (convergent_y - y + lag_y)
         x, y = next_x, next_y
-    dcm_then = planned_dcm(np.array([x, y]), rest, omega, horizon)
-    return np.array([0.5 * (dcm_then[0] + convergent_x), 0.5 * (dcm_then[1] + convergent_y)])
+    dcm_x, dcm_y = _planned(x, y, rest, omega, horizon)
+    return np.array([0.5 * (dcm_x + convergent_x), 0.5 * (dcm_y + convergent_y)])

@@ -82,9 +82,10 @@ class ReferenceMotion:
         horizon = config.walker.preview if config.dcm_preview else 0.0
         dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, horizon)
         if dcm is not None and config.capture.enabled:
-            self._recover(dcm, dcm_plan - omega * momentum)
-            if not self._as_planned(dcm + omega * momentum - dcm_plan):
-                self._catch(dcm + omega * momentum, plan, omega)
+            spin = omega * momentum  # what the angular momentum does to the DCM
+            self._recover(dcm, dcm_plan - spin)
+            if not self._as_planned(dcm + spin - dcm_plan):
+                self._catch(dcm + spin, plan, omega)
         double = walker.swinging is None
         rate, reach = config.dcm_convergence, config.zmp_reach_double if double else config.zmp_reach
         if self.walker.recovering:
@@ -96,12 +97,12 @@ class ReferenceMotion:
 
     def _recover(self, dcm: Array, wanted: Array) -> None:
         """Too far off, the reference follows reality: it starts from the measured DCM until on plan."""
-        limit = self._config.capture.take_over
+        limit, now = self._config.capture.take_over, dcm.tolist()
         if self.walker.half_step is None:  # no step to come: what is wanted stays where it is
             self.walker.recovering = False
-        elif math.dist(dcm, self.pendulum.state.dcm) > limit:
+        elif math.dist(now, self.pendulum.state.dcm.tolist()) > limit:
             self.walker.recovering = True
-        elif math.dist(dcm, wanted) < RECOVERED * limit:
+        elif math.dist(now, wanted.tolist()) < RECOVERED * limit:
             self.walker.recovering = False
         if self.walker.recovering:
             self.pendulum.take_over(dcm)
@@ -109,7 +110,7 @@ class ReferenceMotion:
     def _as_planned(self, error: Array) -> bool:
         """Whether nothing is moved and the DCM is so near its plan that `capture` would leave it at that."""
         untouched = self.steady and self.walker.untouched
-        return untouched and math.hypot(error[0], error[1]) < NEAR * self._config.capture.tolerance
+        return untouched and math.hypot(*error.tolist()) < NEAR * self._config.capture.tolerance
 
     def _catch(self, dcm: Array, plan: Plan, omega: float) -> None:
         """Place and time of the present landing; before it, whether the foot may lift off."""

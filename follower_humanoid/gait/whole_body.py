@@ -34,31 +34,29 @@ class ReferenceBody:
 
     Attributes:
         ik: Holds reference configuration and velocity.
+        toes: Reference angle of either toe joint [rad].
     """
 
     def __init__(self, config: BodyConfig, robot: RobotModel, q: Array) -> None:
         """Starts at rest in the configuration q, shape (52,)."""
         model = robot.pin_model
         self._config = config
-        self._toes = {side: robot.joint_index(f"{side.prefix}_toe_pitch") for side in SIDES}
+        self._toe_joints = {side: robot.joint_index(f"{side.prefix}_toe_pitch") for side in SIDES}
         hip_offset = float(model.jointPlacements[model.getJointId("l_hip_yaw")].translation[1])
         self._hip_offsets = {side: side.sign * hip_offset for side in SIDES}
         self._ankle_height = -float(model.frames[robot.frame_id("l_sole")].placement.translation[2])
         self._hips = dict.fromkeys(SIDES, (0.0, 0.0))
-        self._joints = len(robot.joint_names)
+        self._given = np.zeros(len(robot.joint_names))  # of the joints outside the IK only the toes move
+        self._no_effort = np.zeros(len(robot.joint_names))
         self._pelvis = PelvisHeight(config.pelvis, float(q[2]))
         self.ik = DifferentialIk(robot, config.ik, q)
-
-    @property
-    def toes(self) -> dict[Side, float]:
-        """Reference angle of either toe joint [rad]."""
-        return {side: float(self.ik.q[BASE_DOF + 1 + index]) for side, index in self._toes.items()}
+        self.toes = self._toe_angles()
 
     def samples(self) -> tuple[Joints, Odometry]:
         """Joints and base of the reference."""
         q, v = self.ik.q, self.ik.v
         # The IK makes new arrays at every tick: their parts may be given away.
-        return Joints(q[7:], v[6:], np.zeros(self._joints)), Odometry(q[:3], q[3:7], v[:3], v[3:6])
+        return Joints(q[7:], v[6:], self._no_effort), Odometry(q[:3], q[3:7], v[:3], v[3:6])
 
     def advance(
         self, walker: Walker, plan: Plan, pendulum: PendulumState, omega: float, horizon: float, dt: float
@@ -80,11 +78,14 @@ class ReferenceBody:
             pelvis_height=self._pelvis.height, pelvis_height_velocity=self._pelvis.velocity,
             pelvis_rotation=_about_z(walker.heading()), pelvis_angular_velocity=_yaw_rate(walker),
         )  # fmt: skip
-        given = np.zeros(self._joints)
         for side, angle in self.toes.items():
             goal, speed = _toe(walker, side)
-            given[self._toes[side]] = speed + self._config.toe_gain * (goal - angle)
-        self.ik.advance({side: _foot_task(walker, side) for side in SIDES}, body, given, dt)
+            self._given[self._toe_joints[side]] = speed + self._config.toe_gain * (goal - angle)
+        self.ik.advance({side: _foot_task(walker, side) for side in SIDES}, body, self._given, dt)
+        self.toes = self._toe_angles()
+
+    def _toe_angles(self) -> dict[Side, float]:
+        return {side: float(self.ik.q[BASE_DOF + 1 + joint]) for side, joint in self._toe_joints.items()}
 
     def _reaches(
         self, walker: Walker, plan: Plan, pendulum: PendulumState, omega: float, horizon: float
@@ -112,13 +113,12 @@ class ReferenceBody:
     def _planned_reach(self, foot: FootPose, shift: Array) -> Reach:
         """The reach to a foot that will land or lift off, with something to spare."""
         x, y = shift.tolist()
-        reach = self._reach(foot.x - x, foot.y - y, foot.z, foot.side)
-        return Reach(reach.ankle_height, reach.horizontal + self._config.pelvis.spare)
+        return self._reach(foot.x - x, foot.y - y, foot.z, foot.side, self._config.pelvis.spare)
 
-    def _reach(self, x: float, y: float, z: float, side: Side) -> Reach:
+    def _reach(self, x: float, y: float, z: float, side: Side, spare: float = 0.0) -> Reach:
         """From the hip of the reference to the ankle above a sole at x, y, z in world [m]."""
         hip_x, hip_y = self._hips[side]
-        return Reach(z + self._ankle_height, math.hypot(x - hip_x, y - hip_y))
+        return Reach(z + self._ankle_height, math.hypot(x - hip_x, y - hip_y) + spare)
 
     def _locate_hips(self) -> None:
         """Where the hips of the reference are over the ground [m]."""
@@ -127,9 +127,12 @@ class ReferenceBody:
             self._hips[side] = (x + aside * left[0], y + aside * left[1])
 
 
+_NO_RATE = np.zeros(3)
+
+
 def _about_z(yaw: float) -> Array:
     c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return np.array((c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)).reshape(3, 3)
 
 
 @lru_cache(maxsize=4)
@@ -147,20 +150,21 @@ def _foot_task(walker: Walker, side: Side) -> FootTask:
     yaw_rate, pitch_rate = swing.attitude.velocity.tolist()
     c, s = math.cos(yaw), math.sin(yaw)
     level, down = math.cos(pitch), math.sin(pitch)
-    return FootTask(
-        position=np.concatenate((swing.place.position, swing.height.position)),
+    task = np.array((
+        *swing.place.position.tolist(), *swing.height.position.tolist(),
         # About z by the yaw, then about the foot's own y by the pitch.
-        rotation=np.array([[c * level, -s, c * down], [s * level, c, s * down], [-down, 0.0, level]]),
-        linear_velocity=np.concatenate((swing.place.velocity, swing.height.velocity)),
-        angular_velocity=np.array([-s * pitch_rate, c * pitch_rate, yaw_rate]),
-    )
+        c * level, -s, c * down, s * level, c, s * down, -down, 0.0, level,
+        *swing.place.velocity.tolist(), *swing.height.velocity.tolist(),
+        -s * pitch_rate, c * pitch_rate, yaw_rate,
+    ))  # fmt: skip
+    return FootTask(task[:3], task[3:12].reshape(3, 3), task[12:15], task[15:])
 
 
 def _yaw_rate(walker: Walker) -> Array:
     """The pelvis turns with the mean of the feet: half the swing foot's rate."""
     if walker.swinging is None or walker.half_step is None:
-        return np.zeros(3)
-    return np.array([0.0, 0.0, 0.5 * float(walker.half_step.swing.attitude.velocity[0])])
+        return _NO_RATE
+    return np.array((0.0, 0.0, 0.5 * float(walker.half_step.swing.attitude.velocity[0])))
 
 
 def _toe(walker: Walker, side: Side) -> tuple[float, float]:
