@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from follower_humanoid.core.samples import Array, Side
@@ -81,6 +83,8 @@ class HalfStep:
         self.duration = 1.0
         self._timed_for: tuple[float, float, float] | None = None
         self._phase_times: tuple[float, ...] = ()
+        self._zmp_context: StepContext | None = None
+        self._zmp_points: list[ZmpPoints] = []
         self._enter(0)
 
     def _enter(self, index: int) -> None:
@@ -91,6 +95,18 @@ class HalfStep:
         self.progress = 0.0
         self._targets: dict[int, tuple[StepContext, Array]] = {}
         self._done: set[int] = set()
+        self._open_windows()
+
+    def _open_windows(self) -> None:
+        """Which primitives are active from here on, and until which progress."""
+        self._active = [
+            (number, primitive, self.swing.channels.get(primitive.channel))
+            for number, primitive in enumerate(self.phase.primitives)
+            if primitive.active(self.progress)
+        ]
+        self._active_names = tuple([self.phase.names[number] for number, _, _ in self._active])
+        edges = [edge for p in self.phase.primitives for edge in (p.start, p.end) if edge > self.progress]
+        self._next_edge = min(edges, default=math.inf)
 
     @property
     def swing_progress(self) -> float:
@@ -123,13 +139,12 @@ class HalfStep:
         self.duration = duration
         phase_time = self._times(duration)[self._index]
         owned = set()
-        for number, primitive in enumerate(self.phase.primitives):
-            if not primitive.active(self.progress) or self._finished(number, primitive, context, load):
+        for number, primitive, channel in self._active:
+            if self._finished(number, primitive, context, load):
                 continue
             owned.add(primitive.channel)
             remaining = (primitive.end - self.progress) * phase_time
-            channel = zmp if primitive.channel == "zmp" else self.swing.channels[primitive.channel]
-            channel.advance(self._target(number, primitive, context), remaining, dt)
+            (channel or zmp).advance(self._target(number, primitive, context), remaining, dt)
         for name, channel in self.swing.channels.items():
             if name not in owned:
                 channel.hold(dt)
@@ -137,17 +152,23 @@ class HalfStep:
             zmp.hold(dt)
         self.progress += dt / phase_time
         if self.progress < 1.0 - 1e-9:
+            if self.progress >= self._next_edge:
+                self._open_windows()
             return False
         if self._index + 1 < len(self._phases):
             self._enter(self._index + 1)
             return False
         self.progress = 1.0
+        self._open_windows()
         return True
 
     def zmp_plan(self, context: StepContext, duration: float) -> tuple[list[ZmpLeg], list[ZmpLeg]]:
         """What the primitives still to come ask of the ZMP: until lift-off, and until touchdown."""
-        times = self._times(duration)[self._index :]
-        return zmp_legs(self._phases[self._index :], self.progress, context, times)
+        if context is not self._zmp_context:
+            self._zmp_context, self._zmp_points = context, zmp_points(self._phases, context)
+        now = slice(self._index, None)
+        times = self._times(duration)
+        return zmp_legs(self._phases[now], self._zmp_points[now], self.progress, times[now])
 
     def swing_effort(self, context: StepContext, duration: float) -> tuple[float, float]:
         """How hard the foot in the air must accelerate to its landing: over the ground, about the vertical.
@@ -204,32 +225,35 @@ class HalfStep:
 
     def active(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
         """Names of the active primitives and their completion."""
-        names, completion = [], []
-        for name, primitive in zip(self.phase.names, self.phase.primitives, strict=True):
-            if primitive.active(self.progress):
-                names.append(name)
-                completion.append(primitive.completion(self.progress))
-        return tuple(names), tuple(completion)
+        return self._active_names, tuple([p.completion(self.progress) for _, p, _ in self._active])
+
+
+ZmpPoints = list[Array | None]
+"""Where the ZMP goes in each of the windows of a phase, shape (2,) [m]; None = stay."""
+
+
+def zmp_points(phases: tuple[Phase, ...], context: StepContext) -> list[ZmpPoints]:
+    """Targets of what moves the ZMP, phase by phase."""
+    return [[None if p is None else p.target(context) for p, _, _ in phase.zmp_windows] for phase in phases]
 
 
 def zmp_legs(
-    phases: tuple[Phase, ...], begin: float, context: StepContext, times: tuple[float, ...]
+    phases: tuple[Phase, ...], points: list[ZmpPoints], begin: float, times: tuple[float, ...]
 ) -> tuple[list[ZmpLeg], list[ZmpLeg]]:
     """What primitives ask of the ZMP: until lift-off, and until touchdown.
 
     Args:
         phases: Those to come, the present one first.
+        points: Of the same phases, see `zmp_points`.
         begin: Progress of the first one.
-        context: What targets are computed from.
         times: Of the phases [s].
     """
     transfer: list[ZmpLeg] = []
     swing: list[ZmpLeg] = []
-    for phase, time in zip(phases, times, strict=True):
+    for phase, targets, time in zip(phases, points, times, strict=True):
         part = swing if phase.single_support else transfer
-        for primitive, start, end in phase.zmp_windows:
+        for target, (_, start, end) in zip(targets, phase.zmp_windows, strict=True):
             if end > begin:
-                target = None if primitive is None else primitive.target(context)
                 part.append((target, (end - max(start, begin)) * time))
         begin = 0.0
     return transfer, swing

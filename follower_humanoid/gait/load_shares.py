@@ -14,6 +14,7 @@ class LoadShares:
 
     def __init__(self) -> None:
         self.of = dict.fromkeys(SIDES, 1.0)
+        self._contacts = ContactPlan(1.0, 1.0)
 
     def advance(
         self, leaving: Side | None, until_lift: float, swinging: Side | None, load_time: float, dt: float
@@ -35,4 +36,7 @@ class LoadShares:
 
     def contacts(self) -> ContactPlan:
         """As the balance control reads it."""
-        return ContactPlan(left=self.of[Side.LEFT], right=self.of[Side.RIGHT])
+        left, right = self.of.values()
+        if (left, right) != (self._contacts.left, self._contacts.right):
+            self._contacts = ContactPlan(left, right)
+        return self._contacts

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from follower_humanoid.core.samples import Array, Gait, Side
 from follower_humanoid.gait.feet import FootPose, FootstepConfig, beside, landing_pose, midpoint
-from follower_humanoid.gait.half_step import HalfStep, zmp_legs
+from follower_humanoid.gait.half_step import HalfStep, zmp_legs, zmp_points
 from follower_humanoid.gait.preview import ZmpLeg
 from follower_humanoid.gait.primitives import StepContext
 from follower_humanoid.gait.sequence import Sequence
@@ -113,10 +113,11 @@ class StepPlanner:
         legs: list[ZmpLeg] = []
         lift_off, footsteps = 0, []
         feet = {place.side: place, other.side: other}
-        times = self._sequence.times(duration)
+        phases, times = self._sequence.phases, self._sequence.times(duration)
         for number in range(steps):
             stance, place = place, self.landing(place, gait)
-            transfer, swing = zmp_legs(self._sequence.phases, 0.0, self._aimed(stance, place, gait), times)
+            points = zmp_points(phases, self._aimed(stance, place, gait))
+            transfer, swing = zmp_legs(phases, points, 0.0, times)
             if number == 0:
                 lift_off = len(transfer)
             legs += transfer + swing

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.gait.feet import FootPose
@@ -35,8 +36,7 @@ class WalkerConfig:
     touchdown_load: float = parameter(30.0, "normal force that counts as contact", "N", 5, 200)
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(NamedTuple):
     """What is to come.
 
     Attributes:
