@@ -128,6 +128,11 @@ class DifferentialIk:
         return np.array(self._com)
 
     @property
+    def com_height(self) -> float:
+        """Height of that CoM [m]."""
+        return float(self._com[2])
+
+    @property
     def angular_momentum(self) -> Array:
         """Angular momentum of the reference motion about its CoM in world, shape (3,) [kg·m²/s]."""
         return np.array(self._momentum)
@@ -136,7 +141,7 @@ class DifferentialIk:
         """λ: small, and growing as a knee comes near its straight, singular posture."""
         config = self._config
         left, right = self._knees
-        straightest = min(abs(float(self.q[left])), abs(float(self.q[right])))
+        straightest = min(abs(self.q.item(left)), abs(self.q.item(right)))
         near = max(0.0, 1.0 - straightest / max(config.singular_knee, 1e-9))
         return config.damping + near**2 * (config.singular_damping - config.damping)
 

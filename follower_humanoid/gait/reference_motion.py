@@ -59,7 +59,7 @@ class ReferenceMotion:
         if wanted == self._changes.used:  # as nearly always: what a change may cost need not be known
             return self._changes.used
         config, ik = self._config, self.body.ik
-        omega = natural_frequency(float(ik.com[2]))
+        omega = natural_frequency(ik.com_height)
         dcm = self.pendulum.state.dcm + omega * momentum_shift(ik.angular_momentum, self._mass)
         room = ZmpRoom(omega, config.dcm_convergence, config.zmp_reach, config.zmp_reach_double)
         return self._changes.step(wanted, self.walker, dcm, room)
@@ -77,7 +77,7 @@ class ReferenceMotion:
         """
         config, walker, ik = self._config, self.walker, self.body.ik
         plan = walker.plan_ahead(gait)
-        omega = natural_frequency(float(ik.com[2]))
+        omega = natural_frequency(ik.com_height)
         momentum = momentum_shift(ik.angular_momentum, self._mass)
         horizon = config.walker.preview if config.dcm_preview else 0.0
         dcm_plan = planned_dcm(walker.zmp.position, plan.zmp, omega, horizon)

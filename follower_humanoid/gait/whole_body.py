@@ -85,7 +85,7 @@ class ReferenceBody:
         self.toes = self._toe_angles()
 
     def _toe_angles(self) -> dict[Side, float]:
-        return {side: float(self.ik.q[BASE_DOF + 1 + joint]) for side, joint in self._toe_joints.items()}
+        return {side: self.ik.q.item(BASE_DOF + 1 + joint) for side, joint in self._toe_joints.items()}
 
     def _reaches(
         self, walker: Walker, plan: Plan, pendulum: PendulumState, omega: float, horizon: float
@@ -164,7 +164,7 @@ def _yaw_rate(walker: Walker) -> Array:
     """The pelvis turns with the mean of the feet: half the swing foot's rate."""
     if walker.swinging is None or walker.half_step is None:
         return _NO_RATE
-    return np.array((0.0, 0.0, 0.5 * float(walker.half_step.swing.attitude.velocity[0])))
+    return np.array((0.0, 0.0, 0.5 * walker.half_step.swing.attitude.velocity.item(0)))
 
 
 def _toe(walker: Walker, side: Side) -> tuple[float, float]:
@@ -172,4 +172,4 @@ def _toe(walker: Walker, side: Side) -> tuple[float, float]:
     if walker.swinging is not side or walker.half_step is None:
         return 0.0, 0.0
     toe = walker.half_step.swing.toe
-    return float(toe.position[0]), float(toe.velocity[0])
+    return toe.position.item(), toe.velocity.item()
