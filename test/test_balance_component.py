@@ -223,15 +223,15 @@ def test_hand_forces_can_be_left_out() -> None:
 
 def offset_for(wrench: Wrench, seconds: float = 3.0, **values: Any) -> tuple[Array, Array, Array]:
     """CoM relative to the left sole before and after; how far the right sole has moved against the left."""
-    offset = ComOffset(OffsetConfig(**values), robot())
     q = standing_configuration()
     wanted = BodyState(robot())
     wanted.update(q, np.zeros(51))
+    offset = ComOffset(OffsetConfig(**values), robot(), wanted)
     hand = frame_pose(q, "l_gripper").translation
     hands = hand_effect([(wrench, hand)], robot().mass)
     before = com_of(q) - frame_pose(q, "l_sole").translation
     for _ in range(round(seconds / SLOW)):
-        after = offset.step(q, np.zeros(51), wanted, hands, SLOW)
+        after = offset.step(q, np.zeros(51), hands, SLOW)
     moved = np.concatenate((q[:7], after.position))
     left, right = frame_pose(moved, "l_sole"), frame_pose(moved, "r_sole")
     com = left.rotation.T @ (com_of(moved) - left.translation)

@@ -27,4 +27,6 @@ def test_velocities_and_momentum_belong_to_the_motion() -> None:
         np.testing.assert_allclose((after[3] - before[3]) / DT, now.twist(frame)[:3], atol=1e-5)
         turn = pin.log3(after[:3].T @ before[:3])
         np.testing.assert_allclose(turn / DT, now.twist(frame)[3:], atol=1e-5)
-    np.testing.assert_array_equal(now.base, now.frames[robot().frame_id("base_link")])
+    base = robot().frame_id("base_link")
+    np.testing.assert_array_equal(now.base, now.frames[base])
+    np.testing.assert_allclose(now.angular_velocity, now.twist(base)[3:], atol=1e-12)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from follower_humanoid.balance.balance_config import BalanceConfig
-from follower_humanoid.balance.correction import Situation
+from follower_humanoid.balance.correction import Kinematics, Situation
 from follower_humanoid.balance.dcm_balance import DcmBalance
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
 from follower_humanoid.balance.paper_law import PaperBalance
@@ -68,11 +68,6 @@ class ZmpBalance:
     def __init__(self, config: BalanceConfig, robot: RobotModel, period: float) -> None:
         self._config = config
         self._robot = robot
-        self._law: DcmBalance | PaperBalance
-        if config.law == "paper":
-            self._law = PaperBalance(config.paper, config.offset.ik, config.feedback, robot, period)
-        else:
-            self._law = DcmBalance(config, robot, period)
         self._body = BodyState(robot)
         self._wanted = BodyState(robot)
         # Views that follow the body.
@@ -80,15 +75,19 @@ class ZmpBalance:
         soles = {side: frames[robot.frame_id(f"{side.prefix}_sole")] for side in SIDES}
         self._soles = {side: SolePlace(sole[3], sole[:3].T) for side, sole in soles.items()}
         self._grippers = [frames[robot.frame_id(f"{side.prefix}_gripper"), 3] for side in SIDES]
-        left, right = (
-            [robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES
-        )
+        left, right = ([robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES)
         # Of which feet carry: left, right.
         self._contacts = {
             (True, True): np.array(left + right), (True, False): np.array(left),
             (False, True): np.array(right), (False, False): np.zeros(0, dtype=np.int64),
         }  # fmt: skip
         self._watch = ZmpWatch()
+        where = Kinematics(self._body, self._soles, self._wanted)
+        self._law: DcmBalance | PaperBalance
+        if config.law == "paper":
+            self._law = PaperBalance(config.paper, config.offset.ik, config.feedback, robot, where, period)
+        else:
+            self._law = DcmBalance(config, robot, where, period)
 
     def step(self, inputs: BalanceInputs, time: float) -> BalanceOutputs:
         """One tick: measure, correct, distribute."""
@@ -100,7 +99,7 @@ class ZmpBalance:
         polygon = self._support_polygon(inputs)
         self._watch.see(zmp, polygon, self._body.base[0])
         com, shown_zmp, shown_polygon = Point(self._body.com.copy()), _ground(zmp), _on_ground(polygon)
-        situation = self._situation(inputs, v, zmp)
+        situation = self._situation(inputs, zmp)
         if situation is None:
             return BalanceOutputs(com, shown_zmp, shown_polygon)
         correction = self._law.correct(situation)
@@ -120,7 +119,7 @@ class ZmpBalance:
         """How the ZMP keeps to its command and to the support polygon."""
         return self._watch.diagnostics()
 
-    def _situation(self, inputs: BalanceInputs, v: Array, measured: Array | None) -> Situation | None:
+    def _situation(self, inputs: BalanceInputs, measured: Array | None) -> Situation | None:
         """What the law works from; None before the reference is complete."""
         joints, base, contacts = inputs.reference, inputs.base, inputs.contacts
         zmp, dcm = inputs.zmp_reference, inputs.dcm_reference
@@ -129,10 +128,8 @@ class ZmpBalance:
         q_wanted = self._robot.configuration(base, joints.position)
         v_wanted = self._robot.velocity(base, joints.velocity)
         self._wanted.update(q_wanted, v_wanted)
-        return Situation(
-            self._body, v, self._soles, self._hands(inputs),
-            self._wanted, q_wanted, v_wanted, zmp.xyz[:2], dcm.xyz[:2], measured, contacts,
-        )  # fmt: skip
+        hands = self._hands(inputs)
+        return Situation(hands, q_wanted, v_wanted, zmp.xyz[:2], dcm.xyz[:2], measured, contacts)
 
     def _hands(self, inputs: BalanceInputs) -> HandEffect:
         if not self._config.hand_forces:

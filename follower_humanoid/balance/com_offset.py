@@ -29,17 +29,18 @@ class OffsetConfig:
 class ComOffset:
     """Adds δ = κ c − γ − c to the CoM of the reference, with the feet and the pelvis where they were."""
 
-    def __init__(self, config: OffsetConfig, robot: RobotModel) -> None:
+    def __init__(self, config: OffsetConfig, robot: RobotModel, wanted: BodyState) -> None:
+        """Args: parameters, the robot, and the kinematics of the reference, which follow it."""
         self._config = config
-        self._shifted = ShiftedReference(config.ik, robot)
+        self._com = wanted.com
+        self._shifted = ShiftedReference(config.ik, robot, wanted)
         self._offset: Array = np.zeros(2)
 
-    def step(self, q: Array, v: Array, wanted: BodyState, hands: HandEffect, dt: float) -> Joints:
+    def step(self, q: Array, v: Array, hands: HandEffect, dt: float) -> Joints:
         """One tick.
 
         Args:
-            q, v: Reference configuration, shape (52,), and velocity, shape (51,).
-            wanted: Kinematics of that reference.
+            q, v: Configuration, shape (52,), and velocity, shape (51,), of which `wanted` has the kinematics.
             hands: Effect of the hand forces.
             dt: Tick [s].
 
@@ -48,15 +49,11 @@ class ComOffset:
         """
         config = self._config
         rate = np.empty(2)
-        _follow(
-            wanted.com, hands.gamma, hands.kappa, config.limit, config.bandwidth, dt, self._offset, rate
-        )
-        return self._shifted.step(q, v, wanted, self._offset, rate, dt)
+        _follow(self._com, hands.gamma, hands.kappa, config.limit, config.bandwidth, dt, self._offset, rate)
+        return self._shifted.step(q, v, self._offset, rate, dt)
 
 
-@kernel(
-    "void(float64[::1], float64[::1], float64, float64, float64, float64, float64[::1], float64[::1])"
-)
+@kernel("void(float64[::1], float64[::1], float64, float64, float64, float64, float64[::1], float64[::1])")
 def _follow(
     com: Array, gamma: Array, kappa: float, limit: float, bandwidth: float, dt: float,
     offset: Array, rate: Array,

@@ -10,26 +10,32 @@ from follower_humanoid.core.samples import Array, ContactPlan, Joints, Side, Wre
 from follower_humanoid.robot.body_state import BodyState
 
 
-class Situation(NamedTuple):
-    """One tick: the robot as measured and the complete reference. Arrays and bodies change with the next.
+class Kinematics(NamedTuple):
+    """Where the robot is and where it shall be: always the same objects, which follow from tick to tick.
 
     Attributes:
-        body: Measured kinematics.
-        v: Measured velocity, shape (51,).
-        soles: Measured places of the soles.
+        body: Measured.
+        soles: Measured places of the soles, views of `body`.
+        wanted: Of the reference motion.
+    """
+
+    body: BodyState
+    soles: dict[Side, SolePlace]
+    wanted: BodyState
+
+
+class Situation(NamedTuple):
+    """One tick, besides the `Kinematics`: the complete reference, hands and feet.
+
+    Attributes:
         hands: Effect of the hand forces.
-        wanted: Kinematics of the reference motion.
-        q_wanted, v_wanted: Its configuration, shape (52,), and velocity, shape (51,).
+        q_wanted, v_wanted: Configuration of the reference, shape (52,), and velocity, shape (51,).
         zmp, dcm: Plan in world, shape (2,) [m].
         measured_zmp: In world, shape (2,) [m]; None where the feet carry too little.
         contacts: Planned shares of the weight.
     """
 
-    body: BodyState
-    v: Array
-    soles: dict[Side, SolePlace]
     hands: HandEffect
-    wanted: BodyState
     q_wanted: Array
     v_wanted: Array
     zmp: Array

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from follower_humanoid.balance.correction import Correction, Situation
+from follower_humanoid.balance.correction import Correction, Kinematics, Situation
 from follower_humanoid.balance.shifted_reference import ShiftedReference
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Array
@@ -44,13 +44,15 @@ class PaperBalance:
     """
 
     def __init__(
-        self, config: PaperConfig, ik: IkConfig, feedback: bool, robot: RobotModel, period: float
-    ) -> None:
-        """Args: gains, the IK's parameters, False for a reference left as it is, the robot, the tick [s]."""
+        self, config: PaperConfig, ik: IkConfig, feedback: bool, robot: RobotModel, where: Kinematics,
+        period: float,
+    ) -> None:  # fmt: skip
+        """Args: gains, the IK's, False for a reference left as it is, the robot and where it is, tick [s]."""
         self._config = config
         self._feedback = feedback
         self._period = period
-        self._shifted = ShiftedReference(ik, robot)
+        self._body, self._wanted = where.body, where.wanted
+        self._shifted = ShiftedReference(ik, robot, where.wanted)
         self._shift: Array = np.zeros(2)
         self._zmp_error: Array = np.zeros(2)
         self._gain = 0.0
@@ -62,20 +64,20 @@ class PaperBalance:
         old = self._shift
         self._shift = np.minimum(np.maximum(old + dt * rate, -limit), limit)
         rate = (self._shift - old) / dt
-        reference = self._shifted.step(now.q_wanted, now.v_wanted, now.wanted, self._shift, rate, dt)
+        reference = self._shifted.step(now.q_wanted, now.v_wanted, self._shift, rate, dt)
         return Correction(now.zmp, reference)
 
     def _velocity(self, now: Situation) -> Array:
         """The correction of the CoM's velocity, shape (2,) [m/s]."""
-        config, dt = self._config, self._period
+        config, dt, body, wanted = self._config, self._period, self._body, self._wanted
         carried = now.measured_zmp is not None
         self._gain = min(max(self._gain + (1.0 if carried else -1.0) * dt / config.ramp_time, 0.0), 1.0)
         zmp_error = np.zeros(2) if now.measured_zmp is None else now.zmp - now.measured_zmp
         share = 1.0 - math.exp(-dt / config.filter_time)
         self._zmp_error = self._zmp_error + share * (zmp_error - self._zmp_error)
         # Against a pull of the hands the CoM rests elsewhere.
-        pcm_error = now.hands.resting_com(now.wanted.com[:2]) - now.body.com[:2]
-        pcm_rate = now.wanted.com_velocity[:2] - now.body.com_velocity[:2]
-        omega = natural_frequency(float(now.wanted.com[2]))
+        pcm_error = now.hands.resting_com(wanted.com[:2]) - body.com[:2]
+        pcm_rate = wanted.com_velocity[:2] - body.com_velocity[:2]
+        omega = natural_frequency(float(wanted.com[2]))
         velocity = config.pcm * pcm_error + config.pcm_rate * pcm_rate
         return np.asarray(self._gain * (velocity - config.zmp * omega * self._zmp_error))

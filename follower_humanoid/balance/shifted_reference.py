@@ -8,24 +8,35 @@ from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import SIDES, Array, Joints
 from follower_humanoid.gait.differential_ik import BodyTask, DifferentialIk, FootTask, IkConfig
 from follower_humanoid.robot.body_state import BodyState
-from follower_humanoid.robot.model import BASE_DOF, RobotModel
+from follower_humanoid.robot.model import ACTUATED, BASE_DOF, RobotModel
 
 
 class ShiftedReference:
     """Turns a shift of the CoM into joint references, tick by tick."""
 
-    def __init__(self, config: IkConfig, robot: RobotModel) -> None:
+    def __init__(self, config: IkConfig, robot: RobotModel, wanted: BodyState) -> None:
+        """Args: parameters of the IK, the robot, and the kinematics of the reference, which follow it."""
         self._config = config
         self._robot = robot
-        self._soles = {side: robot.frame_id(f"{side.prefix}_sole") for side in SIDES}
+        self._wanted = wanted
+        self._soles = [robot.frame_id(f"{side.prefix}_sole") for side in SIDES]
+        self._twists: Array = np.zeros((len(SIDES), 6))
+        # Soles and pelvis go where the reference has them: views that follow it, but for the twists.
+        places = [wanted.frames[sole] for sole in self._soles]
+        self._feet = {
+            side: FootTask(place[3], place[:3].T, twist[:3], twist[3:])
+            for side, place, twist in zip(SIDES, places, self._twists, strict=True)
+        }
+        self._com, self._com_velocity = wanted.com[:2], wanted.com_velocity[:2]
+        self._rotation, self._upward = wanted.base[:3].T, wanted.base[:3, 2]
+        self._no_effort: Array = np.zeros(ACTUATED)
         self._ik: DifferentialIk | None = None
 
-    def step(self, q: Array, v: Array, wanted: BodyState, offset: Array, rate: Array, dt: float) -> Joints:
+    def step(self, q: Array, v: Array, offset: Array, rate: Array, dt: float) -> Joints:
         """One tick.
 
         Args:
-            q, v: Reference configuration, shape (52,), and velocity, shape (51,).
-            wanted: Kinematics of that reference.
+            q, v: Configuration, shape (52,), and velocity, shape (51,), of which `wanted` has the kinematics.
             offset: Shift of the CoM over the ground, shape (2,) [m].
             rate: Its velocity, shape (2,) [m/s].
             dt: Tick [s].
@@ -35,24 +46,19 @@ class ShiftedReference:
         """
         if self._ik is None:
             self._ik = DifferentialIk(self._robot, self._config, q)
-        feet = {side: self._as_wanted(wanted, frame) for side, frame in self._soles.items()}
-        rotation = wanted.base[:3].T
+        ik, wanted = self._ik, self._wanted
+        for number, sole in enumerate(self._soles):
+            self._twists[number] = wanted.twist(sole)
         body = BodyTask(
-            com=wanted.com[:2] + offset, com_velocity=wanted.com_velocity[:2] + rate,
-            pelvis_height=float(q[2]), pelvis_height_velocity=float(rotation[2] @ v[:3]),
-            pelvis_rotation=rotation, pelvis_angular_velocity=rotation @ v[3:6],
+            com=self._com + offset, com_velocity=self._com_velocity + rate,
+            pelvis_height=float(q[2]), pelvis_height_velocity=float(self._upward @ v[:3]),
+            pelvis_rotation=self._rotation, pelvis_angular_velocity=wanted.angular_velocity,
         )  # fmt: skip
-        ik = self._ik
         # Joints outside the IK follow the reference as it is.
-        given = np.empty(len(v) - BASE_DOF)
+        given = np.empty(ACTUATED)
         _lead(q, v, ik.q, self._config.foot_gain, given)
-        ik.advance(feet, body, given, dt)
-        return Joints(ik.q[BASE_DOF + 1 :], ik.v[BASE_DOF:], np.zeros(len(given)))
-
-    def _as_wanted(self, wanted: BodyState, sole: int) -> FootTask:
-        """A sole goes where the reference has it."""
-        place, twist = wanted.frames[sole], wanted.twist(sole)
-        return FootTask(place[3], place[:3].T, twist[:3], twist[3:])
+        ik.advance(self._feet, body, given, dt)
+        return Joints(ik.q[BASE_DOF + 1 :], ik.v[BASE_DOF:], self._no_effort)
 
 
 @kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[::1])")
