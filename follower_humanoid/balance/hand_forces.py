@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array, Wrench
 from follower_humanoid.robot.model import GRAVITY
 
@@ -45,15 +46,24 @@ def hand_effect(wrenches: list[tuple[Wrench, Array]], mass: float) -> HandEffect
         wrenches: Per hand the wrench on the robot in world axes and its point in world, shape (3,) [m].
         mass: Robot mass [kg].
     """
-    weight = mass * GRAVITY
-    kappa, gamma_x, gamma_y = 1.0, 0.0, 0.0
-    total_x, total_y, total_z = 0.0, 0.0, 0.0
+    kappa, gamma, force = 1.0, np.zeros(2), np.zeros(3)
     for wrench, point in wrenches:
-        # Plain numbers: NumPy's calls would cost more than the arithmetic.
-        (f_x, f_y, f_z), (mu_x, mu_y, _) = wrench.force.tolist(), wrench.torque.tolist()
-        h_x, h_y, h_z = point.tolist()
-        kappa -= f_z / weight
-        gamma_x += (h_z * f_x - h_x * f_z + mu_y) / weight
-        gamma_y += (h_z * f_y - h_y * f_z - mu_x) / weight
-        total_x, total_y, total_z = total_x + f_x, total_y + f_y, total_z + f_z
-    return HandEffect(kappa, np.array([gamma_x, gamma_y]), np.array([total_x, total_y, total_z]))
+        kappa -= _add_hand(wrench.force, wrench.torque, point, mass * GRAVITY, gamma, force)
+    return HandEffect(kappa, gamma, force)
+
+
+@kernel("float64(float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1])")
+def _add_hand(force: Array, torque: Array, point: Array, weight: float, gamma: Array, total: Array) -> float:
+    """Adds what one hand does to γ and the total force; returns what it takes from κ.
+
+    Args:
+        force, torque, point: Wrench on the robot and where it acts, in world, shape (3,) each.
+        weight: m g [N].
+        gamma: Added to, shape (2,) [m].
+        total: Added to, shape (3,) [N].
+    """
+    gamma[0] += (point[2] * force[0] - point[0] * force[2] + torque[1]) / weight
+    gamma[1] += (point[2] * force[1] - point[1] * force[2] - torque[0]) / weight
+    for axis in range(3):
+        total[axis] += force[axis]
+    return float(force[2] / weight)
