@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from follower_humanoid.balance.foot_wrenches import SoleConfig, foot_wrench, share_feet
+from follower_humanoid.balance.foot_wrenches import (
+    SoleConfig,
+    reachable_zmp,
+    share_force,
+    shared,
+    wrench_in_sole,
+)
 from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Side, Wrench
 
@@ -25,6 +32,30 @@ def soles(yaw: float = 0.0, stride: float = 0.0, tilt: float = 0.0) -> dict[Side
         return SolePlace(np.array([c * x - s * y, s * x + c * y, -0.001]), rotation)
 
     return {Side.LEFT: place(stride, 0.09), Side.RIGHT: place(0.0, -0.09)}
+
+
+class Shares(NamedTuple):
+    """Parts of a force, where they act and what they make together."""
+
+    share: dict[Side, float]
+    point: dict[Side, Array]
+    zmp: Array
+
+
+def share_feet(zmp: Array, places: dict[Side, SolePlace], plan: ContactPlan, config: SoleConfig) -> Shares:
+    points = np.empty((3, 2))
+    poses = [part for side in SIDES for part in (places[side].position, places[side].rotation)]
+    left = shared(
+        zmp, *poses, plan.left, plan.right, config.center, config.back, config.front, config.side, points
+    )
+    share = {Side.LEFT: left, Side.RIGHT: 1.0 - left}
+    return Shares(share, dict(zip(SIDES, points, strict=False)), points[2])
+
+
+def foot_wrench(share: float, point: Array, force: Array, yaw: float, place: SolePlace) -> Wrench:
+    wrench = np.empty((2, 3))
+    wrench_in_sole(share, point, force, yaw, place.position, place.rotation, CONFIG.friction, wrench)
+    return Wrench(wrench[0], wrench[1])
 
 
 def in_sole(point: Array, place: SolePlace) -> Array:
@@ -122,11 +153,16 @@ def test_the_wrenches_make_the_force_the_zmp_and_the_yaw_moment(tilt: float) -> 
     places = soles(0.4, 0.3, tilt)
     for _ in range(20):
         force, yaw = np.append(rng.normal(0, 40, 2), WEIGHT + rng.normal(0, 50)), float(rng.normal(0, 10))
-        shares = share_feet(rng.normal(0.1, 0.1, 2), places, BOTH, CONFIG)
-        wrenches = {
-            side: foot_wrench(shares.share[side], shares.point[side], force, yaw, places[side], 0.6)
-            for side in SIDES
-        }
+        wanted, both = rng.normal(0.1, 0.1, 2), (places[Side.LEFT], places[Side.RIGHT])
+        shares = share_feet(wanted, places, BOTH, CONFIG)
+        feet = share_force(wanted, force, yaw, both, BOTH, CONFIG)
+        wrenches = {Side.LEFT: feet.left, Side.RIGHT: feet.right}
+        for side in SIDES:
+            alone = foot_wrench(shares.share[side], shares.point[side], force, yaw, places[side])
+            np.testing.assert_array_equal(wrenches[side].force, alone.force)
+            np.testing.assert_array_equal(wrenches[side].torque, alone.torque)
+        np.testing.assert_array_equal(feet.zmp, shares.zmp)
+        np.testing.assert_array_equal(reachable_zmp(wanted, both, BOTH, CONFIG), shares.zmp)
         zmp = measured_zmp(*(wrenches[s] for s in SIDES), *(places[s] for s in SIDES), 50.0)
         np.testing.assert_allclose(zmp, shares.zmp, atol=1e-9)
         total, moment = (
@@ -141,25 +177,25 @@ def test_the_wrenches_make_the_force_the_zmp_and_the_yaw_moment(tilt: float) -> 
 def test_each_foots_own_zmp_is_its_point(side: Side) -> None:
     places = soles(-0.3, 0.2)
     point = places[side].position[:2] + np.array([0.05, 0.01])
-    wrench = foot_wrench(0.7, point, np.array([30.0, -10.0, WEIGHT]), 0.0, places[side], 0.6)
+    wrench = foot_wrench(0.7, point, np.array([30.0, -10.0, WEIGHT]), 0.0, places[side])
     nothing = Wrench(np.zeros(3), np.zeros(3))
     np.testing.assert_allclose(measured_zmp(wrench, nothing, places[side], places[side], 50.0), point)
 
 
 def test_friction_is_respected_and_the_direction_kept() -> None:
     place = soles()[Side.LEFT]
-    wrench = foot_wrench(1.0, np.array([0.05, 0.09]), np.array([600.0, -800.0, WEIGHT]), 0.0, place, 0.6)
+    wrench = foot_wrench(1.0, np.array([0.05, 0.09]), np.array([600.0, -800.0, WEIGHT]), 0.0, place)
     tangential = wrench.force[:2]
     assert np.linalg.norm(tangential) == pytest.approx(0.6 * WEIGHT)
     np.testing.assert_allclose(tangential / np.linalg.norm(tangential), [0.6, -0.8])
     assert wrench.force[2] == pytest.approx(WEIGHT)
-    within = foot_wrench(1.0, np.array([0.05, 0.09]), np.array([60.0, -80.0, WEIGHT]), 0.0, place, 0.6)
+    within = foot_wrench(1.0, np.array([0.05, 0.09]), np.array([60.0, -80.0, WEIGHT]), 0.0, place)
     np.testing.assert_allclose(within.force, [60.0, -80.0, WEIGHT])
 
 
 def test_no_weight_no_wrench() -> None:
     place = soles()[Side.RIGHT]
     for share, force in ((0.0, np.array([50.0, 0.0, WEIGHT])), (1.0, np.array([50.0, 10.0, 0.0]))):
-        wrench = foot_wrench(share, np.array([0.1, 0.0]), force, 0.0, place, 0.6)
+        wrench = foot_wrench(share, np.array([0.1, 0.0]), force, 0.0, place)
         np.testing.assert_array_equal(wrench.force, np.zeros(3))
         np.testing.assert_allclose(wrench.torque, np.zeros(3), atol=1e-12)

@@ -115,9 +115,10 @@ def test_the_hull_of_ground_points_leaves_out_what_is_in_the_air() -> None:
     chosen = np.array([3, 5, 6, 8, 11, 17, 19], dtype=np.int64)
     frames[chosen, 3, 2] = [0.0, -0.001, 0.0029, 0.0, 0.0031, 0.5, 0.0]
     hull = ground_hull(frames, chosen, 0.003)
-    np.testing.assert_array_equal(hull, convex_hull(frames[[3, 5, 6, 8, 19], 3, :2]))
-    assert ground_hull(frames, chosen, -1.0).shape == (0, 2)
-    assert ground_hull(frames, chosen[:0], 0.003).shape == (0, 2)
+    np.testing.assert_array_equal(hull[:, :2], convex_hull(frames[[3, 5, 6, 8, 19], 3, :2]))
+    np.testing.assert_array_equal(hull[:, 2], np.zeros(len(hull)))
+    assert ground_hull(frames, chosen, -1.0).shape == (0, 3)
+    assert ground_hull(frames, chosen[:0], 0.003).shape == (0, 3)
 
 
 def test_hull_of_points_that_coincide_or_lie_in_line() -> None:

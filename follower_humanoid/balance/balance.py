@@ -22,7 +22,6 @@ from follower_humanoid.core.samples import (
     Odometry,
     Point,
     Polygon,
-    Side,
     Wrench,
 )
 from follower_humanoid.robot.body_state import BodyState
@@ -72,8 +71,10 @@ class ZmpBalance:
         self._wanted = BodyState(robot)
         # Views that follow the body.
         frames = self._body.frames
-        soles = {side: frames[robot.frame_id(f"{side.prefix}_sole")] for side in SIDES}
-        self._soles = {side: SolePlace(sole[3], sole[:3].T) for side, sole in soles.items()}
+        left_sole, right_sole = (frames[robot.frame_id(f"{side.prefix}_sole")] for side in SIDES)
+        self._soles = (
+            SolePlace(left_sole[3], left_sole[:3].T), SolePlace(right_sole[3], right_sole[:3].T)
+        )  # fmt: skip
         self._grippers = [frames[robot.frame_id(f"{side.prefix}_gripper"), 3] for side in SIDES]
         left, right = ([robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES)
         # Of which feet carry: left, right.
@@ -94,11 +95,11 @@ class ZmpBalance:
         del time
         q, v = self._robot.state(inputs.odometry, inputs.joints)
         self._body.update(q, v)
-        left, right = self._soles[Side.LEFT], self._soles[Side.RIGHT]
-        zmp = measured_zmp(inputs.left_foot, inputs.right_foot, left, right, self._config.zmp.force_floor)
+        zmp = measured_zmp(inputs.left_foot, inputs.right_foot, *self._soles, self._config.zmp.force_floor)
         polygon = self._support_polygon(inputs)
         self._watch.see(zmp, polygon, self._body.base[0])
-        com, shown_zmp, shown_polygon = Point(self._body.com.copy()), _ground(zmp), _on_ground(polygon)
+        com, shown_zmp = Point(self._body.com.copy()), _ground(zmp)
+        shown_polygon = None if polygon is None else Polygon(polygon)
         situation = self._situation(inputs, zmp)
         if situation is None:
             return BalanceOutputs(com, shown_zmp, shown_polygon)
@@ -150,13 +151,8 @@ class ZmpBalance:
 
 def _ground(point: Array | None) -> Point | None:
     """A point of the ground as a sample."""
-    return None if point is None else Point(np.array([point[0], point[1], 0.0]))
-
-
-def _on_ground(polygon: Array | None) -> Polygon | None:
-    """A polygon of the ground as a sample."""
-    if polygon is None:
+    if point is None:
         return None
-    vertices = np.zeros((len(polygon), 3))
-    vertices[:, :2] = polygon
-    return Polygon(vertices)
+    xyz = np.zeros(3)
+    xyz[:2] = point
+    return Point(xyz)

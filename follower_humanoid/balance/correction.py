@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.balance.zmp import SolePlace
-from follower_humanoid.core.samples import Array, ContactPlan, Joints, Side, Wrench
+from follower_humanoid.core.samples import Array, ContactPlan, Joints, Wrench
 from follower_humanoid.robot.body_state import BodyState
 
 
@@ -15,12 +15,12 @@ class Kinematics(NamedTuple):
 
     Attributes:
         body: Measured.
-        soles: Measured places of the soles, views of `body`.
+        soles: Measured places of left and right sole, views of `body`.
         wanted: Of the reference motion.
     """
 
     body: BodyState
-    soles: dict[Side, SolePlace]
+    soles: tuple[SolePlace, SolePlace]
     wanted: BodyState
 
 

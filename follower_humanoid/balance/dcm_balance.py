@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from follower_humanoid.balance.attitude import attitude_shift, yaw_moment
+from follower_humanoid.balance.attitude import Vector, attitude_shift, yaw_moment
 from follower_humanoid.balance.balance_config import BalanceConfig
 from follower_humanoid.balance.com_offset import ComOffset
 from follower_humanoid.balance.correction import Correction, Kinematics, Situation
 from follower_humanoid.balance.dcm_law import CenterState, desired_force, desired_zmp, measured_dcm
-from follower_humanoid.balance.foot_wrenches import foot_wrench, share_feet
-from follower_humanoid.core.samples import Array, Joints, Side
+from follower_humanoid.balance.foot_wrenches import reachable_zmp, share_force
+from follower_humanoid.core.samples import Joints
 from follower_humanoid.gait.ik_kernels import turn_to
 from follower_humanoid.gait.pendulum import momentum_shift, natural_frequency
 from follower_humanoid.gait.swing_momentum import MomentumRate
 from follower_humanoid.robot.model import BASE_DOF, RobotModel
+
+UPRIGHT = AT_REST = (0.0, 0.0, 0.0)  # no attitude error, no rate
 
 
 class DcmBalance:
@@ -42,27 +44,21 @@ class DcmBalance:
             wanted = desired_zmp(dcm, now.dcm, now.zmp, omega, config.dcm.proportional)
             error, rate = self._attitude_error()
         else:
-            state, wanted, error, rate = reference, now.zmp, np.zeros(3), np.zeros(3)
-        zmp = share_feet(wanted, soles, now.contacts, config.soles).zmp
+            state, wanted, error, rate = reference, now.zmp, UPRIGHT, AT_REST
+        zmp = reachable_zmp(wanted, soles, now.contacts, config.soles)
         momentum_rate = self._swing.step(self._wanted.angular_momentum.copy(), self._period)
         turning = momentum_shift(momentum_rate, mass)
         force = desired_force(state, reference, zmp, turning, hands, omega, mass, config.dcm)
         shift = attitude_shift(error, rate, mass, config.attitude)
         moment = yaw_moment(error, rate, float(momentum_rate[2]), config.attitude)
         # Of the wanted ZMP, not of what soles leave of it: at their edge the DCM goes before the attitude.
-        shares = share_feet(wanted + shift, soles, now.contacts, config.soles)
-        left, right = (
-            foot_wrench(
-                shares.share[side], shares.point[side], force, moment, soles[side], config.soles.friction
-            )
-            for side in (Side.LEFT, Side.RIGHT)
-        )
-        return Correction(shares.zmp, self._corrected(now), dcm, left, right)
+        feet = share_force(wanted + shift, force, moment, soles, now.contacts, config.soles)
+        return Correction(feet.zmp, self._corrected(now), dcm, feet.left, feet.right)
 
-    def _attitude_error(self) -> tuple[Array, Array]:
+    def _attitude_error(self) -> tuple[Vector, Vector]:
         """Rotation vector from the pelvis to its desired attitude and its rate against that, in world."""
-        error = np.array(turn_to(self._upright, self._body.base))
-        return error, self._body.angular_velocity - self._wanted.angular_velocity
+        rate: Vector = (self._body.angular_velocity - self._wanted.angular_velocity).tolist()
+        return turn_to(self._upright, self._body.base), rate
 
     def _corrected(self, now: Situation) -> Joints:
         """The reference against the pull of the hands."""

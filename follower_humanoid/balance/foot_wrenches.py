@@ -11,11 +11,13 @@ import numpy as np
 from follower_humanoid.balance.zmp import SolePlace
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.kernel import kernel
-from follower_humanoid.core.samples import Array, ContactPlan, Side, Wrench
+from follower_humanoid.core.samples import Array, ContactPlan, Wrench
 
 OUT_OF_REACH = 0.002  # a ZMP this near is reached [m]
 SAME = 1e-6  # points this near each other are the same [m]
 TRIED_SHARES = 17
+Soles = tuple[SolePlace, SolePlace]
+"""Left and right sole in world."""
 
 
 @dataclass(frozen=True)
@@ -29,17 +31,16 @@ class SoleConfig:
     friction: float = parameter(0.6, "largest tangential force as part of the normal force", "", 0.05, 2)
 
 
-class FootShares(NamedTuple):
-    """Feet's parts of a total force and where each acts.
+class FootWrenches(NamedTuple):
+    """What the ground should do to each foot, at and in its sole frame, and the ZMP that this makes.
 
     Attributes:
-        share: Part of the force, adding up to 1.
-        point: ZMP of each foot in world, shape (2,) [m]; within the usable sole.
-        zmp: What both make together, shape (2,) [m].
+        left, right: Wrenches.
+        zmp: In world, shape (2,) [m].
     """
 
-    share: dict[Side, float]
-    point: dict[Side, Array]
+    left: Wrench
+    right: Wrench
     zmp: Array
 
 
@@ -50,12 +51,11 @@ def ahead_of(rotation: Array) -> tuple[float, float]:
     return rotation[0, 0] / length, rotation[1, 0] / length
 
 
-@kernel("UniTuple(float64, 2)(float64, float64, float64[::1], float64[:,:], float64, float64, float64)")
+@kernel("UniTuple(float64, 2)(float64, float64, float64[::1], float64, float64, float64, float64, float64)")
 def nearest_in_sole(
-    x: float, y: float, position: Array, rotation: Array, back: float, front: float, side: float
+    x: float, y: float, position: Array, c: float, s: float, back: float, front: float, side: float
 ) -> tuple[float, float]:
-    """The point of the usable sole that is nearest to x, y [m]; arguments as in `shared`."""
-    c, s = ahead_of(rotation)
+    """The point of the usable sole, of direction c, s, that is nearest to x, y [m]; else as in `shared`."""
     away_x, away_y = x - position[0], y - position[1]
     forward = min(max(c * away_x + s * away_y, back), front)
     left = min(max(c * away_y - s * away_x, -side), side)
@@ -73,7 +73,7 @@ def shared(
 ) -> float:  # fmt: skip
     """The left foot's share; writes the points of left and right foot and the ZMP they make.
 
-    See `share_feet`.
+    See `share_force`.
 
     Args:
         zmp: Desired ZMP in world, shape (2,) [m].
@@ -83,10 +83,10 @@ def shared(
         back, front, side: Usable sole [m].
         points: Written, in world, shape (3, 2) [m].
     """
-    c, s = ahead_of(left_rotation)
-    left_x, left_y = left_position[0] + center * c, left_position[1] + center * s
-    c, s = ahead_of(right_rotation)
-    right_x, right_y = right_position[0] + center * c, right_position[1] + center * s
+    l_c, l_s = ahead_of(left_rotation)
+    left_x, left_y = left_position[0] + center * l_c, left_position[1] + center * l_s
+    r_c, r_s = ahead_of(right_rotation)
+    right_x, right_y = right_position[0] + center * r_c, right_position[1] + center * r_s
     line_x, line_y = left_x - right_x, left_y - right_y
     length2 = line_x**2 + line_y**2
     left = 0.5
@@ -102,10 +102,10 @@ def shared(
         rest_x = zmp[0] - (share * left_x + (1.0 - share) * right_x)
         rest_y = zmp[1] - (share * left_y + (1.0 - share) * right_y)
         l_x, l_y = nearest_in_sole(
-            left_x + rest_x, left_y + rest_y, left_position, left_rotation, back, front, side
+            left_x + rest_x, left_y + rest_y, left_position, l_c, l_s, back, front, side
         )
         r_x, r_y = nearest_in_sole(
-            right_x + rest_x, right_y + rest_y, right_position, right_rotation, back, front, side
+            right_x + rest_x, right_y + rest_y, right_position, r_c, r_s, back, front, side
         )
         made_x, made_y = share * l_x + (1.0 - share) * r_x, share * l_y + (1.0 - share) * r_y
         away = math.hypot(made_x - zmp[0], made_y - zmp[1])
@@ -119,22 +119,20 @@ def shared(
     return best
 
 
-def share_feet(zmp: Array, soles: dict[Side, SolePlace], plan: ContactPlan, config: SoleConfig) -> FootShares:
-    """Feet's shares that make a ZMP: first by where it lies between the feet, the rest inside the soles.
+def reachable_zmp(zmp: Array, soles: Soles, plan: ContactPlan, config: SoleConfig) -> Array:
+    """What the soles leave of a desired ZMP; arguments as in `share_force`.
 
-    Args:
-        zmp: Desired ZMP in world, shape (2,) [m].
-        soles: Soles in world.
-        plan: Most that either foot may carry by plan.
-        config: Usable sole.
+    Returns:
+        In world, shape (2,) [m].
     """
-    left, right, points = soles[Side.LEFT], soles[Side.RIGHT], np.empty((3, 2))
-    share = shared(
+    left, right = soles
+    points = np.empty((3, 2))
+    shared(
         zmp, left.position, left.rotation, right.position, right.rotation,
         plan.left, plan.right, config.center, config.back, config.front, config.side, points,
     )  # fmt: skip
-    shares = {Side.LEFT: share, Side.RIGHT: 1.0 - share}
-    return FootShares(shares, {Side.LEFT: points[0], Side.RIGHT: points[1]}, points[2])
+    reachable: Array = points[2]
+    return reachable
 
 
 @kernel(
@@ -144,7 +142,17 @@ def wrench_in_sole(
     share: float, point: Array, force: Array, yaw_moment: float,
     position: Array, rotation: Array, friction: float, wrench: Array,
 ) -> None:  # fmt: skip
-    """Writes force and moment of `foot_wrench`, shape (2, 3); position and rotation are the sole's."""
+    """Writes a foot's part of the total force, at and in its sole frame.
+
+    Args:
+        share: Part of the force, 0…1.
+        point: Where it acts on the ground in world, shape (2,) [m].
+        force: Total force in world, shape (3,) [N].
+        yaw_moment: Total moment about the vertical through the foot's point [N·m].
+        position, rotation: The sole in world, shape (3,) [m] and (3, 3).
+        friction: Limit of tangential over normal force.
+        wrench: Written, force and moment, shape (2, 3) [N], [N·m].
+    """
     f_x, f_y, f_z = share * force[0], share * force[1], share * force[2]
     tangential, limit = math.hypot(f_x, f_y), friction * max(f_z, 0.0)
     if tangential > limit:
@@ -156,19 +164,46 @@ def wrench_in_sole(
         wrench[1, i] = rotation[0, i] * m_x + rotation[1, i] * m_y + rotation[2, i] * m_z
 
 
-def foot_wrench(
-    share: float, point: Array, force: Array, yaw_moment: float, place: SolePlace, friction: float
-) -> Wrench:
-    """A foot's part of the total force, at and in its sole frame.
+@kernel(
+    "void(float64[::1], float64[::1], float64, float64[::1], float64[:,:], float64[::1], float64[:,:],"
+    " float64, float64, float64, float64, float64, float64, float64, float64[:,::1], float64[:,:,::1])"
+)
+def shared_wrenches(
+    zmp: Array, force: Array, yaw_moment: float,
+    left_position: Array, left_rotation: Array, right_position: Array, right_rotation: Array,
+    left_most: float, right_most: float, center: float, back: float, front: float, side: float,
+    friction: float, points: Array, wrenches: Array,
+) -> None:  # fmt: skip
+    """Writes the points of `shared` and the wrenches of left and right foot, shape (2, 2, 3)."""
+    left = shared(
+        zmp, left_position, left_rotation, right_position, right_rotation,
+        left_most, right_most, center, back, front, side, points,
+    )  # fmt: skip
+    wrench_in_sole(left, points[0], force, yaw_moment, left_position, left_rotation, friction, wrenches[0])
+    wrench_in_sole(
+        1.0 - left, points[1], force, yaw_moment, right_position, right_rotation, friction, wrenches[1]
+    )
+
+
+def share_force(
+    zmp: Array, force: Array, yaw_moment: float, soles: Soles, plan: ContactPlan, config: SoleConfig
+) -> FootWrenches:
+    """Shares a force at a ZMP: first by where it lies between the feet, the rest inside the soles.
 
     Args:
-        share: Part of the force.
-        point: Where it acts on the ground in world, shape (2,) [m].
+        zmp: Desired ZMP in world, shape (2,) [m].
         force: Total force in world, shape (3,) [N].
-        yaw_moment: Total moment about the vertical through the foot's point [N·m].
-        place: The sole.
-        friction: Limit of tangential over normal force.
+        yaw_moment: Total moment about the vertical through the ZMP [N·m].
+        soles: Left and right sole in world.
+        plan: Most that either foot may carry by plan.
+        config: Usable sole and friction.
     """
-    wrench = np.empty((2, 3))
-    wrench_in_sole(share, point, force, yaw_moment, place.position, place.rotation, friction, wrench)
-    return Wrench(wrench[0], wrench[1])
+    left, right = soles
+    points, wrenches = np.empty((3, 2)), np.empty((2, 2, 3))
+    shared_wrenches(
+        zmp, force, yaw_moment, left.position, left.rotation, right.position, right.rotation,
+        plan.left, plan.right, config.center, config.back, config.front, config.side, config.friction,
+        points, wrenches,
+    )  # fmt: skip
+    of_left, of_right = wrenches
+    return FootWrenches(Wrench(of_left[0], of_left[1]), Wrench(of_right[0], of_right[1]), points[2])

@@ -77,7 +77,7 @@ def ground_hull(frames: Array, points: Indices, clearance: float) -> Array:
         clearance: Largest height above ground [m].
 
     Returns:
-        Shape (m, 2) [m]; m = 0 where none is on the ground.
+        Vertices in world, shape (m, 3) [m]; m = 0 where none is on the ground.
     """
     places = np.empty((len(points), 2))
     count = 0
@@ -85,7 +85,12 @@ def ground_hull(frames: Array, points: Indices, clearance: float) -> Array:
         if frames[frame, 3, 2] < clearance:
             places[count] = frames[frame, 3, :2]
             count += 1
-    return convex_hull(places[:count]) if count > 0 else places[:0]
+    if count == 0:
+        return np.zeros((0, 3))
+    hull = convex_hull(places[:count])
+    vertices = np.zeros((len(hull), 3))
+    vertices[:, :2] = hull
+    return vertices
 
 
 @kernel("float64(float64[:,:], float64[::1])")
@@ -93,7 +98,7 @@ def polygon_margin(polygon: Array, point: Array) -> float:
     """Distance of a point to the nearest edge of a convex polygon, positive inside [m].
 
     Args:
-        polygon: Vertices counter-clockwise, shape (n, 2) [m]; of two or one the line or point between them.
+        polygon: Vertices counter-clockwise, shape (n, ≥ 2) [m]; of two or one the line or point between them.
         point: Shape (2,) [m].
     """
     to_lines = nearest = math.inf  # to the lines through the edges, negative outside; to the edges

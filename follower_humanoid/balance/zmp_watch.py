@@ -27,7 +27,7 @@ class ZmpWatch:
 
         Args:
             zmp: In world, shape (2,) [m]; None where there is none.
-            polygon: Vertices in world, shape (n, 2) [m]; None where no foot carries.
+            polygon: Vertices in world, shape (n, 3) [m]; None where no foot carries.
             ahead: Direction of the pelvis; only what is over the ground counts, of any length.
         """
         self._margin = None if zmp is None or polygon is None else polygon_margin(polygon, zmp)
