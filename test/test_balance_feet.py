@@ -9,13 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from follower_humanoid.balance.foot_wrenches import (
-    SoleConfig,
-    reachable_zmp,
-    share_force,
-    shared,
-    wrench_in_sole,
-)
+from follower_humanoid.balance.dcm_law import SoleConfig, shared, wrench_in_sole
 from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Side, Wrench
 
@@ -153,16 +147,11 @@ def test_the_wrenches_make_the_force_the_zmp_and_the_yaw_moment(tilt: float) -> 
     places = soles(0.4, 0.3, tilt)
     for _ in range(20):
         force, yaw = np.append(rng.normal(0, 40, 2), WEIGHT + rng.normal(0, 50)), float(rng.normal(0, 10))
-        wanted, both = rng.normal(0.1, 0.1, 2), (places[Side.LEFT], places[Side.RIGHT])
-        shares = share_feet(wanted, places, BOTH, CONFIG)
-        feet = share_force(wanted, force, yaw, both, BOTH, CONFIG)
-        wrenches = {Side.LEFT: feet.left, Side.RIGHT: feet.right}
-        for side in SIDES:
-            alone = foot_wrench(shares.share[side], shares.point[side], force, yaw, places[side])
-            np.testing.assert_array_equal(wrenches[side].force, alone.force)
-            np.testing.assert_array_equal(wrenches[side].torque, alone.torque)
-        np.testing.assert_array_equal(feet.zmp, shares.zmp)
-        np.testing.assert_array_equal(reachable_zmp(wanted, both, BOTH, CONFIG), shares.zmp)
+        shares = share_feet(rng.normal(0.1, 0.1, 2), places, BOTH, CONFIG)
+        wrenches = {
+            side: foot_wrench(shares.share[side], shares.point[side], force, yaw, places[side])
+            for side in SIDES
+        }
         zmp = measured_zmp(*(wrenches[s] for s in SIDES), *(places[s] for s in SIDES), 50.0)
         np.testing.assert_allclose(zmp, shares.zmp, atol=1e-9)
         total, moment = (

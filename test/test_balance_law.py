@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from follower_humanoid.balance.attitude import AttitudeConfig, attitude_shift, yaw_moment
 from follower_humanoid.balance.dcm_law import (
-    CenterState,
     DcmConfig,
+    SoleConfig,
+    corrected,
     desired_force,
     desired_zmp,
     measured_dcm,
+    shared,
+    wrench_in_sole,
 )
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
 from follower_humanoid.core.samples import Array, Wrench
@@ -37,8 +42,28 @@ HANDS = {
 every_hand = pytest.mark.parametrize("hands", HANDS)
 
 
+class CenterState(NamedTuple):
+    """CoM of the robot in world."""
+
+    com: Array
+    velocity: Array
+
+
 def state(com: Array, velocity: Array) -> CenterState:
     return CenterState(np.append(com, HEIGHT), np.append(velocity, 0.0))
+
+
+def dcm_of(now: CenterState, effect: HandEffect) -> Array:
+    return measured_dcm(*now, effect.gamma, effect.kappa, OMEGA)
+
+
+def force_of(
+    now: CenterState, wanted: CenterState, zmp: Array, turning: Array, effect: HandEffect, config: DcmConfig
+) -> Array:
+    return desired_force(
+        *now, *wanted, zmp, turning, effect.gamma, effect.force, effect.kappa, MASS * OMEGA**2, MASS,
+        config.height_stiffness, config.height_damping,
+    )  # fmt: skip
 
 
 def plan(time: float) -> tuple[Array, Array]:
@@ -56,10 +81,10 @@ def closed_loop(effect: HandEffect, com: Array, velocity: Array, seconds: float)
     for tick in range(round(seconds / DT)):
         zmp_plan, dcm_plan = plan(tick * DT)
         now = state(com, velocity)
-        dcm = measured_dcm(now, effect, OMEGA)
+        dcm = dcm_of(now, effect)
         errors.append(dcm - dcm_plan)
         zmp = desired_zmp(dcm, dcm_plan, zmp_plan, OMEGA, GAIN)
-        force = desired_force(now, now, zmp, np.zeros(2), effect, OMEGA, MASS, DcmConfig(height_damping=0.0))
+        force = force_of(now, now, zmp, np.zeros(2), effect, DcmConfig(height_damping=0.0))
         acceleration = (force + effect.force)[:2] / MASS
         # Exact for the linear pendulum would be cosh; at 1 ms this is as good.
         com, velocity = com + DT * velocity + 0.5 * DT**2 * acceleration, velocity + DT * acceleration
@@ -83,12 +108,12 @@ def test_on_the_plan_the_zmp_is_the_planned_one_and_the_com_rests_against_the_ha
     effect = hand_effect(HANDS[hands], MASS)
     point = np.array([0.1, -0.03])
     com = effect.resting_com(point)
-    dcm = measured_dcm(state(com, np.zeros(2)), effect, OMEGA)
+    dcm = dcm_of(state(com, np.zeros(2)), effect)
     np.testing.assert_allclose(dcm, point, atol=1e-12)
     zmp = desired_zmp(dcm, point, point, OMEGA, GAIN)
     np.testing.assert_allclose(zmp, point, atol=1e-12)
     now = state(com, np.zeros(2))
-    force = desired_force(now, now, zmp, np.zeros(2), effect, OMEGA, MASS, DcmConfig())
+    force = force_of(now, now, zmp, np.zeros(2), effect, DcmConfig())
     np.testing.assert_allclose(force + effect.force, [0.0, 0.0, MASS * GRAVITY], atol=1e-9)
 
 
@@ -96,10 +121,10 @@ def test_the_force_through_the_zmp_leaves_no_moment_about_the_com() -> None:
     # Without hands the ground force points from the ZMP to the CoM, but for the swing leg's momentum.
     free = hand_effect([], MASS)
     now, zmp = state(np.array([0.06, 0.01]), np.array([0.1, 0.0])), np.array([0.02, 0.05])
-    force = desired_force(now, now, zmp, np.zeros(2), free, OMEGA, MASS, DcmConfig())
+    force = force_of(now, now, zmp, np.zeros(2), free, DcmConfig())
     np.testing.assert_allclose(np.cross(np.append(zmp, 0.0) - now.com, force), np.zeros(3), atol=1e-9)
     rate = np.array([8.0, -12.0, 0.0])
-    force = desired_force(now, now, zmp, momentum_shift(rate, MASS), free, OMEGA, MASS, DcmConfig())
+    force = force_of(now, now, zmp, momentum_shift(rate, MASS), free, DcmConfig())
     moment = np.cross(np.append(zmp, 0.0) - now.com, force)
     np.testing.assert_allclose(moment[:2], rate[:2], atol=1e-9)
 
@@ -108,17 +133,52 @@ def test_height_is_brought_back_and_force_never_pulls() -> None:
     free, config = hand_effect([], MASS), DcmConfig()
     low = CenterState(np.array([0.0, 0.0, HEIGHT - 0.01]), np.array([0.0, 0.0, -0.1]))
     wanted = state(np.zeros(2), np.zeros(2))
-    force = desired_force(low, wanted, np.zeros(2), np.zeros(2), free, OMEGA, MASS, config)
+    force = force_of(low, wanted, np.zeros(2), np.zeros(2), free, config)
     expected = GRAVITY + config.height_stiffness * 0.01 + config.height_damping * 0.1
     assert force[2] == pytest.approx(MASS * expected)
     thrown = CenterState(np.array([0.0, 0.0, HEIGHT + 0.5]), np.zeros(3))
-    assert desired_force(thrown, wanted, np.zeros(2), np.zeros(2), free, OMEGA, MASS, config)[2] == 0.0
+    assert force_of(thrown, wanted, np.zeros(2), np.zeros(2), free, config)[2] == 0.0
 
 
 def test_the_error_is_measured_minus_plan_as_the_law_needs_it() -> None:
     # A DCM ahead of its plan needs a ZMP still further ahead: that brakes.
     zmp = desired_zmp(np.array([0.02, 0.0]), np.zeros(2), np.zeros(2), OMEGA, GAIN)
     assert zmp[0] == pytest.approx(0.02 * (1.0 + GAIN / OMEGA))
+
+
+@pytest.mark.parametrize("feedback", [True, False])
+def test_the_law_is_its_steps_one_after_the_other(feedback: bool) -> None:
+    rng = np.random.default_rng(6)
+    dcm_config, soles = DcmConfig(), SoleConfig()
+    area = (soles.center, soles.back, soles.front, soles.side)
+    for _ in range(30):
+        now, wanted = (state(rng.normal(0.0, 0.02, 2), rng.normal(0.0, 0.1, 2)) for _ in range(2))
+        dcm_plan, zmp_plan, shift, turning = rng.normal(0.0, 0.03, (4, 2))
+        effect = hand_effect(HANDS["lifted and twisted"], MASS)
+        places = [
+            part
+            for y in (0.09, -0.09)
+            for part in (np.array([rng.normal(0.0, 0.1), y, 0.0]), pin.rpy.rpyToMatrix(rng.normal(0, 0.1, 3)))
+        ]
+        most, moment = rng.uniform(0.0, 1.0, 2), float(rng.normal(0.0, 10.0))
+        dcm, points = dcm_of(now, effect), np.empty((3, 2))
+        zmp = desired_zmp(dcm, dcm_plan, zmp_plan, OMEGA, GAIN) if feedback else zmp_plan
+        shared(zmp, *places, *most, *area, points)
+        pushed = now if feedback else wanted
+        force = force_of(pushed, wanted, points[2].copy(), turning, effect, dcm_config)
+        left = shared(zmp + shift, *places, *most, *area, points)
+        wrenches = np.empty((2, 2, 3))
+        for n, share in enumerate((left, 1.0 - left)):
+            wrench_in_sole(
+                share, points[n], force, moment, *places[2 * n : 2 * n + 2], soles.friction, wrenches[n]
+            )
+        result = corrected(
+            feedback, *now, *wanted, dcm_plan, zmp_plan, effect.gamma, effect.force, effect.kappa,
+            turning, shift, moment, *places, *most, OMEGA, MASS * OMEGA**2,
+            MASS, GAIN, dcm_config.height_stiffness, dcm_config.height_damping, *area, soles.friction,
+        )  # fmt: skip
+        np.testing.assert_array_equal(result[:2], np.column_stack(((dcm, points[2]), (0.0, 0.0))))
+        np.testing.assert_array_equal(result[2:], wrenches.reshape(4, 3))
 
 
 def test_attitude_shift_turns_the_pelvis_back() -> None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from follower_humanoid.balance.balance_config import BalanceConfig
-from follower_humanoid.balance.correction import Kinematics, Situation
+from follower_humanoid.balance.correction import Kinematics, Situation, on_ground
 from follower_humanoid.balance.dcm_balance import DcmBalance
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
 from follower_humanoid.balance.paper_law import PaperBalance
@@ -98,19 +98,19 @@ class ZmpBalance:
         zmp = measured_zmp(inputs.left_foot, inputs.right_foot, *self._soles, self._config.zmp.force_floor)
         polygon = self._support_polygon(inputs)
         self._watch.see(zmp, polygon, self._body.base[0])
-        com, shown_zmp = Point(self._body.com.copy()), _ground(zmp)
+        com, shown_zmp = Point(self._body.com.copy()), None if zmp is None else on_ground(zmp)
         shown_polygon = None if polygon is None else Polygon(polygon)
         situation = self._situation(inputs, zmp)
         if situation is None:
             return BalanceOutputs(com, shown_zmp, shown_polygon)
         correction = self._law.correct(situation)
-        self._watch.command(correction.zmp)
+        self._watch.command(correction.zmp.xyz[:2])
         return BalanceOutputs(
             com=com,
             zmp=shown_zmp,
             support_polygon=shown_polygon,
-            dcm=_ground(correction.dcm),
-            zmp_command=_ground(correction.zmp),
+            dcm=correction.dcm,
+            zmp_command=correction.zmp,
             reference=correction.reference,
             left_foot_reference=correction.left_foot,
             right_foot_reference=correction.right_foot,
@@ -130,7 +130,7 @@ class ZmpBalance:
         v_wanted = self._robot.velocity(base, joints.velocity)
         self._wanted.update(q_wanted, v_wanted)
         hands = self._hands(inputs)
-        return Situation(hands, q_wanted, v_wanted, zmp.xyz[:2], dcm.xyz[:2], measured, contacts)
+        return Situation(hands, q_wanted, v_wanted, zmp, dcm, measured, contacts)
 
     def _hands(self, inputs: BalanceInputs) -> HandEffect:
         if not self._config.hand_forces:
@@ -147,12 +147,3 @@ class ZmpBalance:
         )
         hull = ground_hull(self._body.frames, self._contacts[carrying], config.clearance)
         return hull if len(hull) else None
-
-
-def _ground(point: Array | None) -> Point | None:
-    """A point of the ground as a sample."""
-    if point is None:
-        return None
-    xyz = np.zeros(3)
-    xyz[:2] = point
-    return Point(xyz)

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 
 from follower_humanoid.balance.attitude import AttitudeConfig
 from follower_humanoid.balance.com_offset import OffsetConfig
-from follower_humanoid.balance.dcm_law import DcmConfig
-from follower_humanoid.balance.foot_wrenches import SoleConfig
+from follower_humanoid.balance.dcm_law import DcmConfig, SoleConfig
 from follower_humanoid.balance.paper_law import PaperConfig
 from follower_humanoid.balance.zmp import ZmpConfig
 from follower_humanoid.core.config import parameter

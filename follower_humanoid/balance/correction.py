@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.balance.zmp import SolePlace
-from follower_humanoid.core.samples import Array, ContactPlan, Joints, Wrench
+from follower_humanoid.core.samples import Array, ContactPlan, Joints, Point, Wrench
 from follower_humanoid.robot.body_state import BodyState
 
 
@@ -30,7 +32,7 @@ class Situation(NamedTuple):
     Attributes:
         hands: Effect of the hand forces.
         q_wanted, v_wanted: Configuration of the reference, shape (52,), and velocity, shape (51,).
-        zmp, dcm: Plan in world, shape (2,) [m].
+        zmp, dcm: Plan in world, over the ground.
         measured_zmp: In world, shape (2,) [m]; None where the feet carry too little.
         contacts: Planned shares of the weight.
     """
@@ -38,8 +40,8 @@ class Situation(NamedTuple):
     hands: HandEffect
     q_wanted: Array
     v_wanted: Array
-    zmp: Array
-    dcm: Array
+    zmp: Point
+    dcm: Point
     measured_zmp: Array | None
     contacts: ContactPlan
 
@@ -48,15 +50,22 @@ class Correction(NamedTuple):
     """What a law asks for.
 
     Attributes:
-        zmp: Commanded, in world, shape (2,) [m].
+        zmp: Commanded.
         reference: Corrected joint reference.
-        dcm: Measured, in world, shape (2,) [m]; None under a law that knows none.
+        dcm: Measured; None under a law that knows none.
         left_foot, right_foot: What the ground should do to each foot, at and in its sole frame; None
             under a law that leaves it to stiff joints.
     """
 
-    zmp: Array
+    zmp: Point
     reference: Joints
-    dcm: Array | None = None
+    dcm: Point | None = None
     left_foot: Wrench | None = None
     right_foot: Wrench | None = None
+
+
+def on_ground(point: Array) -> Point:
+    """What is over the ground, shape (≥ 2,) [m], as a sample."""
+    xyz = np.zeros(3)
+    xyz[:2] = point[:2]
+    return Point(xyz)

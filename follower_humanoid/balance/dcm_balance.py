@@ -8,9 +8,8 @@ from follower_humanoid.balance.attitude import Vector, attitude_shift, yaw_momen
 from follower_humanoid.balance.balance_config import BalanceConfig
 from follower_humanoid.balance.com_offset import ComOffset
 from follower_humanoid.balance.correction import Correction, Kinematics, Situation
-from follower_humanoid.balance.dcm_law import CenterState, desired_force, desired_zmp, measured_dcm
-from follower_humanoid.balance.foot_wrenches import reachable_zmp, share_force
-from follower_humanoid.core.samples import Joints
+from follower_humanoid.balance.dcm_law import corrected
+from follower_humanoid.core.samples import Joints, Point, Wrench
 from follower_humanoid.gait.ik_kernels import turn_to
 from follower_humanoid.gait.pendulum import momentum_shift, natural_frequency
 from follower_humanoid.gait.swing_momentum import MomentumRate
@@ -26,41 +25,43 @@ class DcmBalance:
         self._config = config
         self._mass = robot.mass
         self._period = period
-        self._body, self._soles, self._wanted = where
-        self._measured = CenterState(where.body.com, where.body.com_velocity)
-        self._reference = CenterState(where.wanted.com, where.wanted.com_velocity)
-        self._upright = where.wanted.base[:3].T
-        self._offset = ComOffset(config.offset, robot, where.wanted)
+        self._body, (left, right), self._wanted = where
+        self._upright = self._wanted.base[:3].T
+        self._offset = ComOffset(config.offset, robot, self._wanted)
         self._swing = MomentumRate(config.momentum)
+        # What stays the same from tick to tick, in the order of `corrected`.
+        self._centers = (
+            self._body.com, self._body.com_velocity, self._wanted.com, self._wanted.com_velocity
+        )  # fmt: skip
+        self._soles = (left.position, left.rotation, right.position, right.rotation)
+        dcm, soles = config.dcm, config.soles
+        self._gains = (
+            robot.mass, dcm.proportional, dcm.height_stiffness, dcm.height_damping,
+            soles.center, soles.back, soles.front, soles.side, soles.friction,
+        )  # fmt: skip
 
     def correct(self, now: Situation) -> Correction:
         """One tick."""
-        config, mass, hands, soles = self._config, self._mass, now.hands, self._soles
-        measured, reference = self._measured, self._reference
-        omega = natural_frequency(float(reference.com[2]))
-        dcm = measured_dcm(measured, hands, omega)
-        if config.feedback:
-            state = measured
-            wanted = desired_zmp(dcm, now.dcm, now.zmp, omega, config.dcm.proportional)
-            error, rate = self._attitude_error()
-        else:
-            state, wanted, error, rate = reference, now.zmp, UPRIGHT, AT_REST
-        zmp = reachable_zmp(wanted, soles, now.contacts, config.soles)
+        config, mass, hands, plan = self._config, self._mass, now.hands, now.contacts
+        omega = natural_frequency(float(self._wanted.com[2]))
         momentum_rate = self._swing.step(self._wanted.angular_momentum.copy(), self._period)
-        turning = momentum_shift(momentum_rate, mass)
-        force = desired_force(state, reference, zmp, turning, hands, omega, mass, config.dcm)
-        shift = attitude_shift(error, rate, mass, config.attitude)
-        moment = yaw_moment(error, rate, float(momentum_rate[2]), config.attitude)
-        # Of the wanted ZMP, not of what soles leave of it: at their edge the DCM goes before the attitude.
-        feet = share_force(wanted + shift, force, moment, soles, now.contacts, config.soles)
-        return Correction(feet.zmp, self._corrected(now), dcm, feet.left, feet.right)
+        error, rate = self._attitude_error() if config.feedback else (UPRIGHT, AT_REST)
+        dcm, zmp, left_force, left_torque, right_force, right_torque = corrected(
+            config.feedback, *self._centers,
+            now.dcm.xyz, now.zmp.xyz, hands.gamma, hands.force, hands.kappa,
+            momentum_shift(momentum_rate, mass), attitude_shift(error, rate, mass, config.attitude),
+            yaw_moment(error, rate, float(momentum_rate[2]), config.attitude),
+            *self._soles, plan.left, plan.right, omega, mass * omega**2, *self._gains,
+        )  # fmt: skip
+        left, right = Wrench(left_force, left_torque), Wrench(right_force, right_torque)
+        return Correction(Point(zmp), self._against_hands(now), Point(dcm), left, right)
 
     def _attitude_error(self) -> tuple[Vector, Vector]:
         """Rotation vector from the pelvis to its desired attitude and its rate against that, in world."""
         rate: Vector = (self._body.angular_velocity - self._wanted.angular_velocity).tolist()
         return turn_to(self._upright, self._body.base), rate
 
-    def _corrected(self, now: Situation) -> Joints:
+    def _against_hands(self, now: Situation) -> Joints:
         """The reference against the pull of the hands."""
         if not self._config.offset.enabled:
             position, velocity = now.q_wanted[BASE_DOF + 1 :], now.v_wanted[BASE_DOF:]

@@ -1,17 +1,20 @@
-"""The DCM balance law: where the ZMP must be so that the DCM comes back to its plan."""
+"""The DCM balance law: from where the DCM and the hands are to what the ground must do to each foot."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import GRAVITY
+
+OUT_OF_REACH = 0.002  # a ZMP this near is reached [m]
+SAME = 1e-6  # points this near each other are the same [m]
+TRIED_SHARES = 17
 
 
 @dataclass(frozen=True)
@@ -23,111 +26,235 @@ class DcmConfig:
     height_damping: float = parameter(16.0, "CoM vertical speed feedback", "1/s", 0, 100)
 
 
-class CenterState(NamedTuple):
-    """CoM of the robot in world.
+@dataclass(frozen=True)
+class SoleConfig:
+    """The part of a sole in which its own ZMP is kept, and friction."""
 
-    Attributes:
-        com: Shape (3,) [m].
-        velocity: Shape (3,) [m/s].
-    """
-
-    com: Array
-    velocity: Array
+    back: float = parameter(-0.060, "rear edge of the usable sole", "m", -0.2, 0)
+    front: float = parameter(0.140, "front edge of the usable sole", "m", 0, 0.3)
+    side: float = parameter(0.046, "half width of the usable sole", "m", 0.005, 0.1)
+    center: float = parameter(0.030, "middle of the sole ahead of the ankle", "m", -0.1, 0.15)
+    friction: float = parameter(0.6, "largest tangential force as part of the normal force", "", 0.05, 2)
 
 
-def measured_dcm(state: CenterState, hands: HandEffect, omega: float) -> Array:
+@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64, float64)")
+def measured_dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega: float) -> Array:
     """ξ = (c + ċ/ω + γ)/κ: the DCM with what the hands do taken in, shape (2,) [m].
 
     Args:
-        state: Measured CoM.
-        hands: Effect of the hand forces.
+        com, velocity: Measured CoM in world, shape (3,) each.
+        gamma, kappa: Of the hands, see `HandEffect`.
         omega: Natural frequency [1/s].
     """
     dcm = np.empty(2)
-    _dcm(state.com, state.velocity, hands.gamma, hands.kappa, omega, dcm)
+    for axis in range(2):
+        dcm[axis] = (com[axis] + velocity[axis] / omega + gamma[axis]) / kappa
     return dcm
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64, float64[::1])")
-def _dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega: float, dcm: Array) -> None:
-    """Writes ξ of `measured_dcm`."""
-    for axis in range(2):
-        dcm[axis] = (com[axis] + velocity[axis] / omega + gamma[axis]) / kappa
-
-
-def desired_zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, omega: float, gain: float) -> Array:
-    """p = p_ref + (1 + k/ω)(ξ − ξ_ref): the DCM error decays as e^{−kt}.
+@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64, float64)")
+def desired_zmp(dcm: Array, dcm_plan: Array, zmp_plan: Array, omega: float, gain: float) -> Array:
+    """p = p_plan + (1 + k/ω)(ξ − ξ_plan): the DCM error decays as e^{−kt}; before any limit, shape (2,) [m].
 
     Args:
         dcm: Measured, in world, shape (2,) [m].
-        dcm_reference, zmp_reference: Plan in world, shape (2,) [m].
+        dcm_plan, zmp_plan: In world, shape (≥ 2,) [m].
         omega: Natural frequency [1/s].
         gain: Decay rate k [1/s].
-
-    Returns:
-        ZMP in world before any limit, shape (2,) [m].
     """
-    zmp = np.empty(2)
-    _zmp(dcm, dcm_reference, zmp_reference, 1.0 + gain / omega, zmp)
+    factor, zmp = 1.0 + gain / omega, np.empty(2)
+    for axis in range(2):
+        zmp[axis] = zmp_plan[axis] + factor * (dcm[axis] - dcm_plan[axis])
     return zmp
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[::1])")
-def _zmp(dcm: Array, dcm_reference: Array, zmp_reference: Array, factor: float, zmp: Array) -> None:
-    """Writes p of `desired_zmp` for the factor 1 + k/ω."""
-    for axis in range(2):
-        zmp[axis] = zmp_reference[axis] + factor * (dcm[axis] - dcm_reference[axis])
-
-
+@kernel(
+    "float64[::1](float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64, float64, float64, float64, float64)"
+)
 def desired_force(
-    state: CenterState,
-    reference: CenterState,
-    zmp: Array,
-    momentum_rate: Array,
-    hands: HandEffect,
-    omega: float,
-    mass: float,
-    config: DcmConfig,
-) -> Array:
-    """What the ground must do to the feet in total.
+    com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array, zmp: Array, turning: Array,
+    gamma: Array, hands: Array, kappa: float, stiffness: float, mass: float,
+    height_stiffness: float, height_damping: float,
+) -> Array:  # fmt: skip
+    """What the ground must do to the feet in total, in world, shape (3,) [N].
 
     F_xy = m ω²(c + γ − κ p − λ̇) − Σ f_hand,xy and F_z = m(g + k_p e_z + k_d ė_z) − Σ f_hand,z.
 
     Args:
-        state: Measured CoM.
-        reference: Wanted CoM; only its height is followed here.
-        zmp: Desired ZMP before the attitude shift, in world, shape (2,) [m].
-        momentum_rate: λ̇, what the swing leg's angular momentum does, shape (2,) [m].
-        hands: Effect of the hand forces.
-        omega: Natural frequency [1/s].
-        mass: Robot mass [kg].
-        config: Gains.
-
-    Returns:
-        Force on the robot in world, shape (3,) [N].
-    """  # fmt: skip
+        com, velocity: CoM in world, shape (3,) each.
+        wanted_com, wanted_velocity: Of the reference, likewise; only its height is followed here.
+        zmp: p, desired before the attitude shift, in world, shape (2,) [m].
+        turning: λ̇, what the swing leg's angular momentum does, shape (2,) [m].
+        gamma, hands, kappa: Effect of the hands and the sum of their forces, see `HandEffect`.
+        stiffness: m ω² [N/m].
+        mass: Of the robot [kg].
+        height_stiffness, height_damping: k_p [1/s²] and k_d [1/s].
+    """
     force = np.empty(3)
-    _force(
-        state.com, state.velocity, reference.com, reference.velocity, zmp, momentum_rate,
-        hands.gamma, hands.force, hands.kappa, mass * omega**2, mass,
-        config.height_stiffness, config.height_damping, force,
-    )  # fmt: skip
-    return force
-
-
-@kernel(
-    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1],"
-    " float64[::1], float64[::1], float64, float64, float64, float64, float64, float64[::1])"
-)
-def _force(
-    com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array, zmp: Array, momentum_rate: Array,
-    gamma: Array, hands: Array, kappa: float, stiffness: float, mass: float,
-    height_stiffness: float, height_damping: float, force: Array,
-) -> None:  # fmt: skip
-    """Writes F of `desired_force`; `stiffness` is m ω², `hands` the sum of the hands' forces."""
     for axis in range(2):
-        lever = com[axis] + gamma[axis] - kappa * zmp[axis] - momentum_rate[axis]
+        lever = com[axis] + gamma[axis] - kappa * zmp[axis] - turning[axis]
         force[axis] = stiffness * lever - hands[axis]
     lift = height_stiffness * (wanted_com[2] - com[2])
     lift += height_damping * (wanted_velocity[2] - velocity[2])
     force[2] = max(mass * (GRAVITY + lift) - hands[2], 0.0)
+    return force
+
+
+@kernel("UniTuple(float64, 2)(float64[:,:])")
+def ahead_of(rotation: Array) -> tuple[float, float]:
+    """Direction of a sole over the ground, of length 1."""
+    length = max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
+    return rotation[0, 0] / length, rotation[1, 0] / length
+
+
+@kernel("UniTuple(float64, 2)(float64, float64, float64[::1], float64, float64, float64, float64, float64)")
+def nearest_in_sole(
+    x: float, y: float, position: Array, c: float, s: float, back: float, front: float, side: float
+) -> tuple[float, float]:
+    """The point of the usable sole, of direction c, s, that is nearest to x, y [m]; else as in `shared`."""
+    away_x, away_y = x - position[0], y - position[1]
+    forward = min(max(c * away_x + s * away_y, back), front)
+    left = min(max(c * away_y - s * away_x, -side), side)
+    return position[0] + forward * c - left * s, position[1] + forward * s + left * c
+
+
+@kernel(
+    "float64(float64[::1], float64[::1], float64[:,:], float64[::1], float64[:,:],"
+    " float64, float64, float64, float64, float64, float64, float64[:,::1])"
+)
+def shared(
+    zmp: Array, left_position: Array, left_rotation: Array, right_position: Array, right_rotation: Array,
+    left_most: float, right_most: float, center: float, back: float, front: float, side: float,
+    points: Array,
+) -> float:  # fmt: skip
+    """The left foot's share; writes the points of left and right foot and the ZMP they make.
+
+    First by where the ZMP lies between the feet, the rest inside the soles.
+
+    Args:
+        zmp: Desired ZMP in world, shape (2,) [m].
+        left_position, left_rotation, right_position, right_rotation: Soles in world.
+        left_most, right_most: Most that either foot may carry by plan, 0…1.
+        center: Middle of the sole ahead of the ankle [m].
+        back, front, side: Usable sole [m].
+        points: Written, in world, shape (3, 2) [m].
+    """
+    l_c, l_s = ahead_of(left_rotation)
+    left_x, left_y = left_position[0] + center * l_c, left_position[1] + center * l_s
+    r_c, r_s = ahead_of(right_rotation)
+    right_x, right_y = right_position[0] + center * r_c, right_position[1] + center * r_s
+    line_x, line_y = left_x - right_x, left_y - right_y
+    length2 = line_x**2 + line_y**2
+    left = 0.5
+    if length2 > 1e-6:
+        left = ((zmp[0] - right_x) * line_x + (zmp[1] - right_y) * line_y) / length2
+    # Loads change hands only as fast as the plan lets them.
+    low, high = min(1.0 - right_most, left_most), max(1.0 - right_most, left_most)
+    first = min(max(left, low), high)
+    best, nearest = first, math.inf
+    # Feet apart along and across: the nearest point that the soles reach may need another share.
+    for i in range(-1, TRIED_SHARES):
+        share = first if i < 0 else low + (high - low) * i / (TRIED_SHARES - 1)
+        rest_x = zmp[0] - (share * left_x + (1.0 - share) * right_x)
+        rest_y = zmp[1] - (share * left_y + (1.0 - share) * right_y)
+        l_x, l_y = nearest_in_sole(
+            left_x + rest_x, left_y + rest_y, left_position, l_c, l_s, back, front, side
+        )
+        r_x, r_y = nearest_in_sole(
+            right_x + rest_x, right_y + rest_y, right_position, r_c, r_s, back, front, side
+        )
+        made_x, made_y = share * l_x + (1.0 - share) * r_x, share * l_y + (1.0 - share) * r_y
+        away = math.hypot(made_x - zmp[0], made_y - zmp[1])
+        as_near = abs(away - nearest) <= SAME and abs(share - first) < abs(best - first)
+        if away < nearest - SAME or as_near:
+            best, nearest = share, away
+            points[0, 0], points[0, 1], points[1, 0], points[1, 1] = l_x, l_y, r_x, r_y
+            points[2, 0], points[2, 1] = made_x, made_y
+        if nearest < OUT_OF_REACH or high <= low:
+            break
+    return best
+
+
+@kernel(
+    "void(float64, float64[::1], float64[::1], float64, float64[::1], float64[:,:], float64, float64[:,::1])"
+)
+def wrench_in_sole(
+    share: float, point: Array, force: Array, yaw_moment: float,
+    position: Array, rotation: Array, friction: float, wrench: Array,
+) -> None:  # fmt: skip
+    """Writes a foot's part of the total force, at and in its sole frame.
+
+    Args:
+        share: Part of the force, 0…1.
+        point: Where it acts on the ground in world, shape (2,) [m].
+        force: Total force in world, shape (3,) [N].
+        yaw_moment: Total moment about the vertical through the foot's point [N·m].
+        position, rotation: The sole in world, shape (3,) [m] and (3, 3).
+        friction: Limit of tangential over normal force.
+        wrench: Written, force and moment, shape (2, 3) [N], [N·m].
+    """
+    f_x, f_y, f_z = share * force[0], share * force[1], share * force[2]
+    tangential, limit = math.hypot(f_x, f_y), friction * max(f_z, 0.0)
+    if tangential > limit:
+        f_x, f_y = f_x * (limit / tangential), f_y * (limit / tangential)
+    x, y, z = point[0] - position[0], point[1] - position[1], -position[2]
+    m_x, m_y, m_z = y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x + share * yaw_moment
+    for i in range(3):
+        wrench[0, i] = rotation[0, i] * f_x + rotation[1, i] * f_y + rotation[2, i] * f_z
+        wrench[1, i] = rotation[0, i] * m_x + rotation[1, i] * m_y + rotation[2, i] * m_z
+
+
+@kernel(
+    "float64[:,::1](boolean, float64[::1], float64[::1], float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1], float64,"
+    " float64[::1], float64[:,:], float64[::1], float64[:,:], float64, float64, float64,"
+    " float64, float64, float64, float64, float64, float64, float64, float64, float64, float64)"
+)
+def corrected(
+    feedback: bool, com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array,
+    dcm_plan: Array, zmp_plan: Array, gamma: Array, hands: Array, kappa: float,
+    turning: Array, shift: Array, yaw_moment: float,
+    left_position: Array, left_rotation: Array, right_position: Array, right_rotation: Array,
+    left_most: float, right_most: float, omega: float, stiffness: float,
+    mass: float, gain: float, height_stiffness: float, height_damping: float,
+    center: float, back: float, front: float, side: float, friction: float,
+) -> Array:  # fmt: skip
+    """The whole law, one step after the other.
+
+    Args:
+        feedback: False leaves DCM and CoM height to themselves: the force is that of the plan.
+        shift: Of the ZMP, for the attitude, shape (2,) [m].
+        left_most, right_most: Most that either foot may carry by plan, 0…1.
+        The others: As in the functions above.
+
+    Returns:
+        Rows of shape (3,): measured DCM and the ZMP that is made, on the ground in world [m]; force [N] and
+        moment [N·m] on the left foot, then on the right, at and in its sole frame.
+    """
+    dcm, wanted = measured_dcm(com, velocity, gamma, kappa, omega), zmp_plan[:2]
+    if feedback:
+        wanted = desired_zmp(dcm, dcm_plan, zmp_plan, omega, gain)
+    else:
+        com, velocity = wanted_com, wanted_velocity
+    points = np.empty((3, 2))
+    shared(
+        wanted, left_position, left_rotation, right_position, right_rotation,
+        left_most, right_most, center, back, front, side, points,
+    )  # fmt: skip
+    force = desired_force(
+        com, velocity, wanted_com, wanted_velocity, points[2], turning, gamma, hands, kappa,
+        stiffness, mass, height_stiffness, height_damping,
+    )  # fmt: skip
+    # Of the wanted ZMP, not of what soles leave of it: at their edge the DCM goes before the attitude.
+    left = shared(
+        wanted + shift, left_position, left_rotation, right_position, right_rotation,
+        left_most, right_most, center, back, front, side, points,
+    )  # fmt: skip
+    result = np.zeros((6, 3))
+    result[0, :2], result[1, :2] = dcm, points[2]
+    wrench_in_sole(left, points[0], force, yaw_moment, left_position, left_rotation, friction, result[2:4])
+    wrench_in_sole(
+        1.0 - left, points[1], force, yaw_moment, right_position, right_rotation, friction, result[4:6]
+    )
+    return result

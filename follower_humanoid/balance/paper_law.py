@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from follower_humanoid.balance.correction import Correction, Kinematics, Situation
+from follower_humanoid.balance.correction import Correction, Kinematics, Situation, on_ground
 from follower_humanoid.balance.shifted_reference import ShiftedReference
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Array
@@ -65,14 +65,14 @@ class PaperBalance:
         self._shift = np.minimum(np.maximum(old + dt * rate, -limit), limit)
         rate = (self._shift - old) / dt
         reference = self._shifted.step(now.q_wanted, now.v_wanted, self._shift, rate, dt)
-        return Correction(now.zmp, reference)
+        return Correction(on_ground(now.zmp.xyz), reference)
 
     def _velocity(self, now: Situation) -> Array:
         """The correction of the CoM's velocity, shape (2,) [m/s]."""
         config, dt, body, wanted = self._config, self._period, self._body, self._wanted
         carried = now.measured_zmp is not None
         self._gain = min(max(self._gain + (1.0 if carried else -1.0) * dt / config.ramp_time, 0.0), 1.0)
-        zmp_error = np.zeros(2) if now.measured_zmp is None else now.zmp - now.measured_zmp
+        zmp_error = np.zeros(2) if now.measured_zmp is None else now.zmp.xyz[:2] - now.measured_zmp
         share = 1.0 - math.exp(-dt / config.filter_time)
         self._zmp_error = self._zmp_error + share * (zmp_error - self._zmp_error)
         # Against a pull of the hands the CoM rests elsewhere.
