@@ -13,6 +13,7 @@ from gait_bench import frame_pose, inputs_of, odometry_of, robot, standing_confi
 from follower_humanoid.balance.balance import BalanceOutputs, ZmpBalance
 from follower_humanoid.balance.com_offset import ComOffset, OffsetConfig
 from follower_humanoid.balance.hand_forces import hand_effect
+from follower_humanoid.balance.shifted_reference import SOLES
 from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Joints, Point, Wrench
 from follower_humanoid.robot.body_state import BodyState
@@ -224,7 +225,7 @@ def test_hand_forces_can_be_left_out() -> None:
 def offset_for(wrench: Wrench, seconds: float = 3.0, **values: Any) -> tuple[Array, Array, Array]:
     """CoM relative to the left sole before and after; how far the right sole has moved against the left."""
     q = standing_configuration()
-    wanted = BodyState(robot())
+    wanted = BodyState(robot(), SOLES)
     wanted.update(q, np.zeros(51))
     offset = ComOffset(OffsetConfig(**values), robot(), wanted)
     hand = frame_pose(q, "l_gripper").translation

@@ -1,4 +1,4 @@
-"""The pose table is Pinocchio's own memory, read as one array."""
+"""The tables of poses and velocities are Pinocchio's own memory, read as one array."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 from gait_bench import robot
 
-from follower_humanoid.robot.pose_table import pose_table
+from follower_humanoid.robot.pose_table import pose_table, velocity_table
 
 
 def test_the_table_follows_frames_and_joints_through_every_update() -> None:
@@ -23,3 +23,15 @@ def test_the_table_follows_frames_and_joints_through_every_update() -> None:
             for row, pose in zip(table, poses, strict=True):
                 np.testing.assert_array_equal(row[:3].T, pose.rotation)
                 np.testing.assert_array_equal(row[3], pose.translation)
+
+
+def test_the_table_of_velocities_follows_every_joint() -> None:
+    model = robot().pin_model
+    data = model.createData()
+    table, rng = velocity_table(data.v), np.random.default_rng(2)
+    for _ in range(3):
+        pin.forwardKinematics(model, data, pin.neutral(model), rng.normal(0.0, 0.5, model.nv))
+        assert table.flags.c_contiguous
+        assert len(table) == len(data.v)
+        for row, velocity in zip(table, data.v, strict=True):
+            np.testing.assert_array_equal(row, [velocity.linear, velocity.angular])

@@ -11,6 +11,7 @@ from follower_humanoid.balance.correction import Kinematics, Situation, on_groun
 from follower_humanoid.balance.dcm_balance import DcmBalance
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
 from follower_humanoid.balance.paper_law import PaperBalance
+from follower_humanoid.balance.shifted_reference import SOLES
 from follower_humanoid.balance.support_polygon import ground_hull
 from follower_humanoid.balance.zmp import SolePlace, measured_zmp
 from follower_humanoid.balance.zmp_watch import ZmpWatch
@@ -68,10 +69,10 @@ class ZmpBalance:
         self._config = config
         self._robot = robot
         self._body = BodyState(robot)
-        self._wanted = BodyState(robot)
+        self._wanted = BodyState(robot, SOLES)
         # Views that follow the body.
         frames = self._body.frames
-        left_sole, right_sole = (frames[robot.frame_id(f"{side.prefix}_sole")] for side in SIDES)
+        left_sole, right_sole = (frames[robot.frame_id(name)] for name in SOLES)
         self._soles = (
             SolePlace(left_sole[3], left_sole[:3].T), SolePlace(right_sole[3], right_sole[:3].T)
         )  # fmt: skip

@@ -58,7 +58,7 @@ class DcmBalance:
 
     def _attitude_error(self) -> tuple[Vector, Vector]:
         """Rotation vector from the pelvis to its desired attitude and its rate against that, in world."""
-        rate: Vector = (self._body.angular_velocity - self._wanted.angular_velocity).tolist()
+        rate: Vector = (self._body.base_twist[1] - self._wanted.base_twist[1]).tolist()
         return turn_to(self._upright, self._body.base), rate
 
     def _against_hands(self, now: Situation) -> Joints:

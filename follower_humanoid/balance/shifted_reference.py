@@ -10,25 +10,25 @@ from follower_humanoid.gait.differential_ik import BodyTask, DifferentialIk, Foo
 from follower_humanoid.robot.body_state import BodyState
 from follower_humanoid.robot.model import ACTUATED, BASE_DOF, RobotModel
 
+SOLES = [f"{side.prefix}_sole" for side in SIDES]
+
 
 class ShiftedReference:
     """Turns a shift of the CoM into joint references, tick by tick."""
 
     def __init__(self, config: IkConfig, robot: RobotModel, wanted: BodyState) -> None:
-        """Args: parameters of the IK, the robot, and the kinematics of the reference, which follow it."""
+        """Args: parameters of the IK, the robot, kinematics of the reference with the twists of `SOLES`."""
         self._config = config
         self._robot = robot
-        self._wanted = wanted
-        self._soles = [robot.frame_id(f"{side.prefix}_sole") for side in SIDES]
-        self._twists: Array = np.zeros((len(SIDES), 6))
-        # Soles and pelvis go where the reference has them: views that follow it, but for the twists.
-        places = [wanted.frames[sole] for sole in self._soles]
+        # Soles and pelvis go where the reference has them: views that follow it.
+        places = [wanted.frames[robot.frame_id(name)] for name in SOLES]
         self._feet = {
-            side: FootTask(place[3], place[:3].T, twist[:3], twist[3:])
-            for side, place, twist in zip(SIDES, places, self._twists, strict=True)
+            side: FootTask(place[3], place[:3].T, twist[0], twist[1])
+            for side, place, twist in zip(SIDES, places, wanted.twists, strict=True)
         }
+        self._base_velocity, self._base_spin = wanted.base_twist
         self._com, self._com_velocity = wanted.com[:2], wanted.com_velocity[:2]
-        self._rotation, self._upward = wanted.base[:3].T, wanted.base[:3, 2]
+        self._rotation = wanted.base[:3].T
         self._no_effort: Array = np.zeros(ACTUATED)
         self._ik: DifferentialIk | None = None
 
@@ -46,13 +46,11 @@ class ShiftedReference:
         """
         if self._ik is None:
             self._ik = DifferentialIk(self._robot, self._config, q)
-        ik, wanted = self._ik, self._wanted
-        for number, sole in enumerate(self._soles):
-            self._twists[number] = wanted.twist(sole)
+        ik = self._ik
         body = BodyTask(
             com=self._com + offset, com_velocity=self._com_velocity + rate,
-            pelvis_height=float(q[2]), pelvis_height_velocity=float(self._upward @ v[:3]),
-            pelvis_rotation=self._rotation, pelvis_angular_velocity=wanted.angular_velocity,
+            pelvis_height=float(q[2]), pelvis_height_velocity=float(self._base_velocity[2]),
+            pelvis_rotation=self._rotation, pelvis_angular_velocity=self._base_spin,
         )  # fmt: skip
         # Joints outside the IK follow the reference as it is.
         given = np.empty(ACTUATED)
