@@ -105,7 +105,7 @@ class ZmpBalance:
         if situation is None:
             return BalanceOutputs(com, shown_zmp, shown_polygon)
         correction = self._law.correct(situation)
-        self._watch.command(correction.zmp.xyz[:2])
+        self._watch.command(correction.zmp.xyz)
         return BalanceOutputs(
             com=com,
             zmp=shown_zmp,
@@ -143,8 +143,8 @@ class ZmpBalance:
     def _support_polygon(self, inputs: BalanceInputs) -> Array | None:
         config = self._config.zmp
         carrying = (
-            bool(inputs.left_foot.force[2] > config.carrying),
-            bool(inputs.right_foot.force[2] > config.carrying),
+            inputs.left_foot.force.item(2) > config.carrying,
+            inputs.right_foot.force.item(2) > config.carrying,
         )
         hull = ground_hull(self._body.frames, self._contacts[carrying], config.clearance)
         return hull if len(hull) else None

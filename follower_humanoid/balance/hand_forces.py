@@ -11,7 +11,7 @@ so the CoM that rests above a ZMP p is c = κ p − γ.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ from follower_humanoid.core.samples import Array, Wrench
 from follower_humanoid.robot.model import GRAVITY
 
 
-@dataclass(frozen=True, slots=True)
-class HandEffect:
+class HandEffect(NamedTuple):
     """κ and γ of the hand wrenches, and their sum.
 
     Attributes:

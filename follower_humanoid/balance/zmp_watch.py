@@ -14,13 +14,14 @@ class ZmpWatch:
     def __init__(self) -> None:
         self._margin: float | None = None
         self._smallest = math.inf
-        self._commanded: Array | None = None
+        self._commanded: tuple[float, float] | None = None
         self._square_along = self._square_across = 0.0
         self._count = 0
 
     def command(self, zmp: Array) -> None:
-        """The ZMP that the next tick should have, in world, shape (2,) [m]."""
-        self._commanded = zmp
+        """The ZMP that the next tick should have, in world, shape (≥ 2,) [m]."""
+        x, y, *_ = zmp.tolist()
+        self._commanded = x, y
 
     def see(self, zmp: Array | None, polygon: Array | None, ahead: Array) -> None:
         """The measured ZMP and support polygon of a tick.
@@ -37,7 +38,8 @@ class ZmpWatch:
             return
         x, y, *_ = ahead.tolist()
         length = max(math.hypot(x, y), 1e-9)
-        e_x, e_y = (self._commanded - zmp).tolist()
+        (wanted_x, wanted_y), (zmp_x, zmp_y) = self._commanded, zmp.tolist()
+        e_x, e_y = wanted_x - zmp_x, wanted_y - zmp_y
         self._square_along += ((x * e_x + y * e_y) / length) ** 2
         self._square_across += ((x * e_y - y * e_x) / length) ** 2
         self._count += 1
