@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from follower_humanoid.balance.attitude import AttitudeConfig, attitude_shift, yaw_moment
+from follower_humanoid.balance.attitude import AttitudeConfig, attitude_feedback
 from follower_humanoid.balance.dcm_law import (
     DcmConfig,
     SoleConfig,
@@ -29,6 +29,7 @@ from follower_humanoid.robot.model import GRAVITY
 MASS, HEIGHT, DT = 73.0, 0.85, 0.001
 OMEGA = natural_frequency(HEIGHT)
 GAIN = 3.0
+NONE = (0.0, 0.0, 0.0)
 HANDS = {
     "free": [],
     "pulled": [(Wrench(np.array([15.0, 8.0, 0.0]), np.zeros(3)), np.array([0.4, 0.2, 1.0]))],
@@ -89,6 +90,17 @@ def closed_loop(effect: HandEffect, com: Array, velocity: Array, seconds: float)
         # Exact for the linear pendulum would be cosh; at 1 ms this is as good.
         com, velocity = com + DT * velocity + 0.5 * DT**2 * acceleration, velocity + DT * acceleration
     return errors
+
+
+def attitude_answer(
+    error: tuple[float, float, float], spin: tuple[float, float, float], momentum_rate: float = 0.0
+) -> tuple[Array, float]:
+    """Shift and yaw moment with the gains' defaults; half of the rate is in what is wanted."""
+    config, halved = AttitudeConfig(), 0.5 * np.array(spin)
+    return attitude_feedback(
+        error, halved, -halved, np.array([0.0, 0.0, momentum_rate]), MASS * GRAVITY,
+        config.stiffness, config.damping, config.inertia, config.zmp_limit, config.yaw_limit,
+    )  # fmt: skip
 
 
 @every_hand
@@ -184,29 +196,29 @@ def test_the_law_is_its_steps_one_after_the_other(feedback: bool) -> None:
 def test_attitude_shift_turns_the_pelvis_back() -> None:
     config = AttitudeConfig()
     # Tilted forward by 0.01 (rotation +y): the error towards upright is −0.01 about y.
-    shift = attitude_shift(np.array([0.0, -0.01, 0.0]), np.zeros(3), MASS, config)
+    shift, _ = attitude_answer((0.0, -0.01, 0.0), NONE)
     moment = config.inertia * config.stiffness * 0.01
     # A force m g that acts further forward turns backward, about −y.
     assert shift[0] == pytest.approx(moment / (MASS * GRAVITY))
     turned = np.cross([shift[0], shift[1], 0.0], [0.0, 0.0, MASS * GRAVITY])
     np.testing.assert_allclose(turned, [0.0, -moment, 0.0], atol=1e-9)
-    sideways = attitude_shift(np.array([0.01, 0.0, 0.0]), np.zeros(3), MASS, config)
+    sideways, _ = attitude_answer((0.01, 0.0, 0.0), NONE)
     np.testing.assert_allclose(
         np.cross(np.append(sideways, 0.0), [0.0, 0.0, MASS * GRAVITY]), [moment, 0.0, 0.0], atol=1e-9
     )
-    falling = attitude_shift(np.zeros(3), np.array([0.0, 0.1, 0.0]), MASS, config)
+    falling, _ = attitude_answer(NONE, (0.0, 0.1, 0.0))
     assert falling[0] > 0.0
-    wild = attitude_shift(np.array([1.0, -1.0, 0.0]), np.zeros(3), MASS, config)
+    wild, _ = attitude_answer((1.0, -1.0, 0.0), NONE)
     np.testing.assert_allclose(np.abs(wild), config.zmp_limit)
 
 
 def test_yaw_moment_feeds_forward_the_swing_and_brings_the_heading_back_within_friction() -> None:
     config = AttitudeConfig()
-    assert yaw_moment(np.zeros(3), np.zeros(3), 7.0, config) == 7.0
-    back = yaw_moment(np.array([0.0, 0.0, 0.01]), np.array([0.0, 0.0, 0.02]), 0.0, config)
+    assert attitude_answer(NONE, NONE, 7.0)[1] == 7.0
+    _, back = attitude_answer((0.0, 0.0, 0.01), (0.0, 0.0, 0.02))
     assert back == pytest.approx(config.inertia * (config.stiffness * 0.01 - config.damping * 0.02))
     for much in (1e3, -1e3):
-        assert yaw_moment(np.zeros(3), np.zeros(3), much, config) == math.copysign(config.yaw_limit, much)
+        assert attitude_answer(NONE, NONE, much)[1] == math.copysign(config.yaw_limit, much)
 
 
 def test_momentum_rate_is_the_derivative_behind_its_low_pass() -> None:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from follower_humanoid.core.config import parameter
+from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
-from follower_humanoid.robot.model import GRAVITY
-
-Vector = Sequence[float]
-"""Three plain numbers: NumPy's calls would cost more than the arithmetic."""
 
 
 @dataclass(frozen=True)
@@ -26,42 +22,35 @@ class AttitudeConfig:
     yaw_limit: float = parameter(25.0, "largest yaw moment asked of the feet", "N·m", 0, 100)
 
 
-def attitude_shift(error: Vector, angular_velocity: Vector, mass: float, config: AttitudeConfig) -> Array:
-    """The shift of the ZMP that turns the pelvis upright.
+@kernel(
+    "Tuple((float64[::1], float64))(UniTuple(float64, 3), float64[::1], float64[::1], float64[::1],"
+    " float64, float64, float64, float64, float64, float64)"
+)
+def attitude_feedback(
+    error: tuple[float, float, float], spin: Array, wanted_spin: Array, momentum_rate: Array,
+    weight: float, stiffness: float, damping: float, inertia: float, zmp_limit: float, yaw_limit: float,
+) -> tuple[Array, float]:  # fmt: skip
+    """The shift of the ZMP that turns the pelvis upright and the yaw moment that keeps its heading.
 
-    ΔM = I(k_p e − k_d ω) needs the ground force at p + (−ΔM_y, ΔM_x)/(m g).
-
-    Args:
-        error: Rotation vector from measured to desired pelvis attitude, in world [rad].
-        angular_velocity: Pelvis minus desired, in world [rad/s].
-        mass: Robot mass [kg].
-        config: Gains.
-
-    Returns:
-        Shape (2,) [m].
-    """
-    (e_x, e_y, _), (w_x, w_y, _) = error, angular_velocity
-    lever, limit = config.inertia / (mass * GRAVITY), config.zmp_limit
-    shift_x = -lever * (config.stiffness * e_y - config.damping * w_y)
-    shift_y = lever * (config.stiffness * e_x - config.damping * w_x)
-    return np.array([min(max(shift_x, -limit), limit), min(max(shift_y, -limit), limit)])
-
-
-def yaw_moment(
-    error: Vector, angular_velocity: Vector, momentum_rate: float, config: AttitudeConfig
-) -> float:
-    """What the feet must add about the vertical so that the pelvis does not turn with the swing leg.
-
-    M_z = L̇_ref,z + I(k_p e_z − k_d ω_z), within what friction under the soles can do.
+    ΔM = I(k_p e − k_d Δω) needs the ground force at p + (−ΔM_y, ΔM_x)/(m g), and about the vertical
+    M_z = L̇_ref,z + ΔM_z, so that the pelvis does not turn with the swing leg.
 
     Args:
-        error, angular_velocity: As in `attitude_shift`.
-        momentum_rate: L̇_z of the reference motion about its CoM [N·m].
-        config: Gains.
+        error: e, rotation vector from measured to desired pelvis attitude, in world [rad].
+        spin, wanted_spin: Angular velocity of the pelvis and the desired one; Δω is their difference, in
+            world, shape (3,) each [rad/s].
+        momentum_rate: L̇ of the reference motion about its CoM, shape (3,) [N·m].
+        weight: m g [N].
+        stiffness, damping, inertia, zmp_limit, yaw_limit: See `AttitudeConfig`.
 
     Returns:
-        [N·m]
+        The shift, shape (2,) [m], and the moment [N·m], within their limits.
     """
-    feedback = config.stiffness * error[2] - config.damping * angular_velocity[2]
-    moment = momentum_rate + config.inertia * feedback
-    return min(max(moment, -config.yaw_limit), config.yaw_limit)
+    rate_x, rate_y, rate_z = spin[0] - wanted_spin[0], spin[1] - wanted_spin[1], spin[2] - wanted_spin[2]
+    lever, shift = inertia / weight, np.empty(2)
+    shift[0] = -lever * (stiffness * error[1] - damping * rate_y)
+    shift[1] = lever * (stiffness * error[0] - damping * rate_x)
+    for axis in range(2):
+        shift[axis] = min(max(shift[axis], -zmp_limit), zmp_limit)
+    moment = momentum_rate[2] + inertia * (stiffness * error[2] - damping * rate_z)
+    return shift, min(max(moment, -yaw_limit), yaw_limit)
