@@ -18,7 +18,6 @@ from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.spin import PARENT
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
-_ASIDE = 10  # niceness of who only looks on
 _BUSY = 0.5  # wall time in which it must get anything done [s]
 
 
@@ -37,6 +36,12 @@ class Member:
     nodes: tuple[str, ...]
     process: subprocess.Popen[bytes] | Forked
     vital: bool = True
+
+
+def _stand_aside() -> None:
+    """Has this process run only where nobody else would, and give way at once: no node ever waits for it."""
+    if hasattr(os, "SCHED_IDLE"):
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
 
 
 class Crew:
@@ -64,7 +69,7 @@ class Crew:
         def live() -> int:
             BORN_WITH.keep(nodes)
             if aside:
-                os.nice(_ASIDE)
+                _stand_aside()
             return int(main(list(args)))
 
         process = Forked(command, live, self._environment, self._gate)
