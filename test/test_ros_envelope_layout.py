@@ -77,12 +77,14 @@ def test_numbers_of_any_kind_and_order_in_memory_are_written_as_doubles():
     assert data[places[topic]] == CODECS[topic].encode(odd, STAMP)
 
 
-def test_an_array_of_a_wrong_length_is_never_sent():
+@pytest.mark.parametrize("more", [0, 1])  # as many numbers in all, or one less
+def test_an_array_of_a_wrong_length_is_never_sent(more):
     node, rng = NODES["leg_controller"], np.random.default_rng(4)
     (topic, sample), *_ = samples_of(node, rng, absent=0.0).items()
-    short = dataclasses.replace(sample, effort=sample.effort[1:])
-    with pytest.raises(ValueError, match="wrong length"):
-        EnvelopeWriter(Envelope(node), CODECS).seal({topic: short}, STAMP)
+    velocity = np.concatenate((sample.velocity, np.zeros(more)))
+    wrong = dataclasses.replace(sample, velocity=velocity, effort=sample.effort[1:])
+    with pytest.raises(ValueError, match="numbers in place of"):
+        EnvelopeWriter(Envelope(node), CODECS).seal({topic: wrong}, STAMP)
 
 
 @pytest.mark.parametrize("name", NODES)

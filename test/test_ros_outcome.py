@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import subprocess
 import sys
 import time
@@ -117,6 +118,17 @@ def test_a_signal_shortens_a_stop_that_has_begun(tmp_path):
     start_and_wait(crew, "stubborn", stubborn, tmp_path / "ready")
     begin = time.monotonic()
     crew.stop(lambda: begin + (0.6 if time.monotonic() > begin + 0.3 else 60.0), time.sleep)
+    assert time.monotonic() - begin < 10.0
+    assert crew.members[0].process.returncode == -9
+
+
+def test_who_only_looks_on_is_asked_to_end_but_not_waited_for(tmp_path):
+    crew = Crew({})
+    stubborn = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); READY; time.sleep(60)"
+    start_and_wait(crew, "onlooker", stubborn, tmp_path / "ready")
+    crew.members[0] = dataclasses.replace(crew.members[0], vital=False)
+    begin = time.monotonic()
+    crew.stop(lambda: begin + 60.0, time.sleep, last="recorder")
     assert time.monotonic() - begin < 10.0
     assert crew.members[0].process.returncode == -9
 

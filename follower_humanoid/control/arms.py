@@ -122,7 +122,7 @@ class ArmController:
         self._modes = self._mode_report()
         self._blend = Blend(config.blend_time, period)
         self._reference: HandReference | None = None
-        self._hands = unwritten_motion()  # of the newest tick, as are the following two
+        self._hands = unwritten_motion()  # of the newest tick, as is the following
         self._inverse = TaskInverse(np.empty((2, 7, 3)), np.empty((2, 7, 7)))
 
     def reconfigure(self, config: ArmControllerConfig) -> None:

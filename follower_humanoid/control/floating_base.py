@@ -53,7 +53,7 @@ def motor_torque(
         mass_matrix: M, shape (51, 51), Fortran order; only its upper triangle is read.
         bias: n = C q̇ + G, shape (51,).
         external: Generalised force of feet and hands, shape (51,).
-        joints: Which of the actuated joints, ascending, shape (n,).
+        joints: Which of the actuated joints, shape (n,).
         acceleration: Their a, shape (n,) [rad/s²].
         rotor_inertia: Their A, shape (n,) [kg·m²].
 
@@ -85,8 +85,9 @@ def _motor_torque(
             forces[row] += mass_matrix[row, column] * a
         for before in range(n):
             row = BASE_DOF + joints[before]
-            forces[row] += mass_matrix[row, column] * a
-            forces[column] += mass_matrix[row, column] * acceleration[before]
+            shared = mass_matrix[min(row, column), max(row, column)]
+            forces[row] += shared * a
+            forces[column] += shared * acceleration[before]
     for row in range(BASE_DOF):
         base[row] = -forces[row]
     _solve_base_rows(mass_matrix, base)

@@ -39,7 +39,9 @@ class HandLaw:
     """The law of hands that keep a place."""
 
     def __init__(self, config: ArmControllerConfig, impedance: Impedance, period: float) -> None:
-        """`impedance`: H_m, D_m, K_m; `period`: control tick [s]."""
+        """`config`: of which nothing that is used here changes at run time; `impedance`: H_m, D_m, K_m;
+        `period`: control tick [s].
+        """
         self._config, self._impedance, self._period = config, impedance, period
         self._return_force = np.array(config.return_force)
         self._demand = HandDemand(np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))

@@ -10,7 +10,7 @@ from follower_humanoid.core.samples import Array, Side
 from follower_humanoid.gait.channel import ConstantSpeedChannel, MinimumJerkChannel
 from follower_humanoid.gait.feet import FootPose
 from follower_humanoid.gait.preview import ZmpLeg
-from follower_humanoid.gait.primitives import Primitive, StepContext
+from follower_humanoid.gait.primitives import ZMP, Primitive, StepContext
 from follower_humanoid.gait.sequence import Phase, Sequence
 
 DONE_FOR_GOOD = 0.85  # part of its window after which a primitive that has finished stays so
@@ -100,7 +100,7 @@ class HalfStep:
     def _open_windows(self) -> None:
         """Which primitives are active from here on, and until which progress."""
         self._active = [
-            (number, primitive, self.swing.channels.get(primitive.channel))
+            (number, primitive, None if primitive.channel == ZMP else self.swing.channels[primitive.channel])
             for number, primitive in enumerate(self.phase.primitives)
             if primitive.active(self.progress)
         ]
@@ -144,11 +144,12 @@ class HalfStep:
                 continue
             owned.add(primitive.channel)
             remaining = (primitive.end - self.progress) * phase_time
-            (channel or zmp).advance(self._target(number, primitive, context), remaining, dt)
+            moved = zmp if channel is None else channel
+            moved.advance(self._target(number, primitive, context), remaining, dt)
         for name, channel in self.swing.channels.items():
             if name not in owned:
                 channel.hold(dt)
-        if "zmp" not in owned:
+        if ZMP not in owned:
             zmp.hold(dt)
         self.progress += dt / phase_time
         if self.progress < 1.0 - 1e-9:

@@ -11,7 +11,7 @@ from typing import Any
 
 from follower_humanoid.core.yaml_file import read_yaml
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
-from follower_humanoid.gait.primitives import PRIMITIVES, Primitive
+from follower_humanoid.gait.primitives import PRIMITIVES, ZMP, Primitive
 from follower_humanoid.resources import share_path
 
 SUPPORTS = ("double", "single")
@@ -73,7 +73,7 @@ class Phase:
         """What moves the ZMP, in order of time: primitive, start and end, 0…1; None while it rests."""
         windows: list[tuple[Primitive | None, float, float]] = []
         begin = 0.0
-        for primitive in sorted((p for p in self.primitives if p.channel == "zmp"), key=lambda p: p.start):
+        for primitive in sorted((p for p in self.primitives if p.channel == ZMP), key=lambda p: p.start):
             if primitive.end <= begin:
                 continue
             if primitive.start > begin:

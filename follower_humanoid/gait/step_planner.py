@@ -35,7 +35,8 @@ class StepPlanner:
         self._config = config
         self._footsteps = footsteps
         self._sequence = sequence
-        # Asked for again and again while nothing changes.
+        # Asked for again and again while nothing changes: both depend on their frozen arguments and on
+        # parameters that stay for good, and what they give is only read.
         self.landing = lru_cache(maxsize=16)(self._landing)
         self._after = lru_cache(maxsize=16)(self._following)
         self._context: StepContext | None = None

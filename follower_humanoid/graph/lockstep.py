@@ -202,9 +202,10 @@ class LockStep:
         held_from = self.tick - self._hold_for
         values: dict[str, object] = {}
         for entry in self._entries:
-            value = entry.value(held_from)
+            value = entry.take(held_from)
             if value is None:
-                self.stale += entry.held and entry.newest is not None
+                if entry.held and entry.newest is not None:
+                    self.stale += 1
                 values.update(dict.fromkeys(entry.topics))
             elif len(entry.topics) == 1:
                 values[entry.topics[0]] = value

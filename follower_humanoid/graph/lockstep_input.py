@@ -30,8 +30,12 @@ class Input:
             return False
         return self.begins <= self.awaited and (self.left is None or self.awaited < self.left)
 
-    def value(self, held_from: int) -> object:
-        """What a step uses, asked for once; what is held only if it came at tick `held_from` or later."""
+    def take(self, held_from: int) -> object:
+        """What a step uses, to be asked for once.
+
+        Args:
+            held_from: What is held is used only if it came at this tick or later.
+        """
         if self.held:
             return self.newest if self.held_since >= held_from else None
         if self.awaited is None:

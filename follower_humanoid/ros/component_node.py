@@ -17,9 +17,9 @@ class ComponentNode(LockStepNode):
         super().__init__(node_wiring(name), **options)
         self._inputs = self.wiring.component_class().Inputs
         # Topic of each input, in their order; nothing comes to an input that is not wired.
-        self._topics = [self.wiring.inputs.get(name, "") for name in self._inputs.__match_args__]
+        self._topics = [self.wiring.inputs.get(name) for name in self._inputs.__match_args__]
 
     def step(self, tick: int, samples: Mapping[str, Any]) -> None:
         """One step of the component."""
-        inputs = self._inputs(*map(samples.get, self._topics))
+        inputs = self._inputs(*[None if topic is None else samples[topic] for topic in self._topics])
         self.publish(self.component.step(inputs, tick * self.graph.tick), tick)

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.spin import PARENT
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
+_LONGEST_ASIDE = 1.0  # wall time that who only looks on gets when all others have ended [s]
 _BUSY = 0.5  # wall time in which it must get anything done [s]
 
 
@@ -40,7 +42,7 @@ class Member:
 
 def _stand_aside() -> None:
     """Has this process run only where nobody else would, and give way at once: no node ever waits for it."""
-    if hasattr(os, "SCHED_IDLE"):
+    with suppress(AttributeError, OSError):  # not everywhere there, and not allowed everywhere
         os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
 
 
@@ -94,16 +96,19 @@ class Crew:
         begin = time.monotonic()
         for member in self.members:  # one that was halted keeps the last words of all others waiting
             member.process.send_signal(signal.SIGCONT)
-        others = [m for m in self.members if m.name != last]
-        self._ask(others)
-        self._wait(others, lambda: 0.5 * (begin + deadline()), idle)
-        self._ask([m for m in self.members if m.name == last])
-        self._wait(self.members, deadline, idle)
+        # Who only looks on may get no processor to end on: it is asked like all, but not waited for long.
+        vital = [m for m in self.members if m.vital]
+        self._ask([m for m in self.members if m.name != last])
+        self._wait([m for m in vital if m.name != last], lambda: 0.5 * (begin + deadline()), idle)
+        self._ask([m for m in vital if m.name == last])
+        self._wait(vital, deadline, idle)
         # Where the machine is so busy that a bag is not written by then, it is waited for: as long as its
         # writer gets anything done at all.
         for member in self.members:
             if member.name == last:
                 self._wait_while_busy(member, idle)
+        ended = time.monotonic()
+        self._wait(self.members, lambda: min(deadline(), ended + _LONGEST_ASIDE), idle)
         self.kill()
 
     def kill(self) -> None:

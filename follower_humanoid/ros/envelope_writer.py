@@ -35,43 +35,49 @@ class _Form:
         self.places: dict[str, slice] = {}
         spans = {(STAMP_AT, STAMP_AT + STAMP.size)}
         times: list[tuple[int, int]] = []
-        blocks: list[tuple[str, Codec, list[tuple[tuple[int, int], np.dtype[Any]]]]] = []
+        blocks: list[tuple[str, Codec, list[tuple[tuple[int, int], np.dtype[Any], int]]]] = []
         at = envelope.contents
         for topic, layout in layouts.items():
             self.places[topic] = slice(at, at + len(layout.data))
             times += [(at + offset, at + offset + STAMP_SIZE) for offset in layout.stamps]
-            slots = [((at + s.offset, at + s.end), np.dtype("<" + s.code)) for s in layout.slots]
+            slots = [
+                ((at + s.offset, at + s.end), kind, (s.end - s.offset) // kind.itemsize)
+                for s in layout.slots
+                for kind in (np.dtype("<" + s.code),)
+            ]
             blocks.append((topic, codecs[topic], slots))
-            spans.update(span for span, _ in slots)
+            spans.update(span for span, _, _ in slots)
             at += len(layout.data)
         spans.update(times)
         data = envelope.seal(0, empty)
-        self._size = len(data)
         # The envelope from cut to cut: pieces that change, and between them those that stay the same.
-        cuts = sorted({0, self._size, *itertools.chain(*spans)})
+        cuts = sorted({0, len(data), *itertools.chain(*spans)})
         self._pieces = [data[begin:end] for begin, end in itertools.pairwise(cuts)]
         number = {begin: index for index, begin in enumerate(cuts)}
         self._stamp = number[STAMP_AT]
         self._times = [number[begin] for begin, _ in times]
         self._numbers = [
-            (topic, codec, [(number[begin], kind) for (begin, _), kind in slots])
+            (topic, codec, [(number[begin], kind, count) for (begin, _), kind, count in slots])
             for topic, codec, slots in blocks
         ]
 
     def filled(self, samples: Mapping[str, Any], stamp: int) -> bytes:
-        """The envelope with these numbers and this stamp [ns]."""
+        """The envelope with these numbers and this stamp [ns].
+
+        Raises:
+            ValueError: An array has not the length that its message was laid out for.
+        """
         pieces = self._pieces
         pieces[self._stamp] = STAMP.pack(stamp)
         time = _TIME.pack(*divmod(stamp, NANOSECONDS))
         for index in self._times:
             pieces[index] = time
         for topic, codec, slots in self._numbers:
-            for (index, kind), values in zip(slots, codec.numbers(samples[topic]), strict=True):
+            for (index, kind, count), values in zip(slots, codec.numbers(samples[topic]), strict=True):
+                if values.size != count:
+                    raise ValueError(f"{topic}: an array of {values.size} numbers in place of {count}")
                 pieces[index] = (values if values.dtype is kind else values.astype(kind)).tobytes()
-        data = b"".join(pieces)
-        if len(data) != self._size:
-            raise ValueError(f"{len(data)} bytes in an envelope of {self._size}: an array of a wrong length")
-        return data
+        return b"".join(pieces)
 
 
 class EnvelopeWriter:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode
 
 ABSENT = "graph/absent"
-LOOK_EVERY = 25  # messages between two looks for new listeners
+LOOK_EVERY = 25  # messages, of the simulator ticks, between two looks for new listeners
 _READ_BY_NODES = frozenset(topic for node in NODES.values() for topic in node.inputs.values())
 
 

@@ -1,6 +1,6 @@
 """The motion primitives, by the names the paper gives them."""
 
-from follower_humanoid.gait.primitives.base import Primitive, StepContext
+from follower_humanoid.gait.primitives.base import ZMP, Primitive, StepContext
 from follower_humanoid.gait.primitives.bend import Bend
 from follower_humanoid.gait.primitives.incline import Incline
 from follower_humanoid.gait.primitives.lean import Lean
@@ -20,5 +20,6 @@ PRIMITIVES: dict[str, type[Primitive]] = {
 }
 
 __all__ = [
-    "PRIMITIVES", "Bend", "Incline", "Lean", "Level", "Lower", "Primitive", "StepContext", "Stretch", "Toe",
+    "PRIMITIVES", "ZMP", "Bend", "Incline", "Lean", "Level", "Lower", "Primitive", "StepContext", "Stretch",
+    "Toe",
 ]  # fmt: skip

@@ -13,6 +13,9 @@ from typing import ClassVar
 from follower_humanoid.core.samples import Array, Gait
 from follower_humanoid.gait.feet import FootPose
 
+ZMP = "zmp"
+"""The one channel that outlives a half-step; the others are the swing foot's."""
+
 
 @dataclass(frozen=True, slots=True)
 class StepContext:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from follower_humanoid.core.samples import Array
-from follower_humanoid.gait.primitives.base import Primitive, StepContext
+from follower_humanoid.gait.primitives.base import ZMP, Primitive, StepContext
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Incline(Primitive):
         inward: Target towards the other foot [m].
     """
 
-    channel: ClassVar[str] = "zmp"
+    channel: ClassVar[str] = ZMP
 
     forward: float = 0.07
     inward: float = 0.0
