@@ -9,7 +9,6 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.spin import PARENT
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
+_ASIDE = 10  # niceness of who only looks on; Linux's idle policy would stop its page on a full machine
 _LONGEST_ASIDE = 1.0  # wall time that who only looks on gets when all others have ended [s]
 _BUSY = 0.5  # wall time in which it must get anything done [s]
 
@@ -38,12 +38,6 @@ class Member:
     nodes: tuple[str, ...]
     process: subprocess.Popen[bytes] | Forked
     vital: bool = True
-
-
-def _stand_aside() -> None:
-    """Has this process run only where nobody else would, and give way at once: no node ever waits for it."""
-    with suppress(AttributeError, OSError):  # not everywhere there, and not allowed everywhere
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
 
 
 class Crew:
@@ -71,7 +65,7 @@ class Crew:
         def live() -> int:
             BORN_WITH.keep(nodes)
             if aside:
-                _stand_aside()
+                os.nice(_ASIDE)
             return int(main(list(args)))
 
         process = Forked(command, live, self._environment, self._gate)
@@ -96,7 +90,7 @@ class Crew:
         begin = time.monotonic()
         for member in self.members:  # one that was halted keeps the last words of all others waiting
             member.process.send_signal(signal.SIGCONT)
-        # Who only looks on may get no processor to end on: it is asked like all, but not waited for long.
+        # Who only looks on gets less of a processor to end on: it is asked like all, but not waited for long.
         vital = [m for m in self.members if m.vital]
         self._ask([m for m in self.members if m.name != last])
         self._wait([m for m in vital if m.name != last], lambda: 0.5 * (begin + deadline()), idle)
