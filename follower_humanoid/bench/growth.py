@@ -34,7 +34,7 @@ class Course:
         wall: Wall time [s] of each look.
         cpu: Processor time that its processes have used by then [s].
         simulated: Simulated time then [s].
-        memory: All its processes' proportional share of memory then [bytes].
+        memory: All its processes' data then [bytes]; libraries left out.
     """
 
     wall: list[float] = field(default_factory=list)
@@ -116,7 +116,7 @@ def _walk(seconds: float) -> str:
 
 
 def _look(pid: int, file: IO[str], course: Course) -> None:
-    memory, cpu = sum(memory_of_children(pid).values()), cpu_of_children(pid)
+    memory, cpu = sum(memory_of_children(pid, "Pss_Anon").values()), cpu_of_children(pid)
     file.seek(0)
     times = _LINE.findall(file.read())
     if times and memory and (not course.simulated or float(times[-1]) > course.simulated[-1]):

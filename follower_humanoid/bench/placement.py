@@ -127,8 +127,12 @@ def _cpu(values: Mapping[str, Mapping[str, str]], composed: bool) -> Iterator[tu
             yield "composed" if composed else node, float(own["process_cpu_per_tick [s]"])
 
 
-def memory_of_children(parent: int) -> dict[str, int]:
-    """Name of each process that a process has started → its proportional share of memory [bytes]."""
+def memory_of_children(parent: int, what: str = "Pss") -> dict[str, int]:
+    """Name of each process that a process has started → its proportional share of memory [bytes].
+
+    `what`: `Pss`, or `Pss_Anon` for its own data alone: of libraries on disk everybody who happens to use them
+    has a share.
+    """
     found: dict[str, int] = {}
     for entry in Path("/proc").iterdir():
         try:
@@ -136,7 +140,7 @@ def memory_of_children(parent: int) -> dict[str, int]:
                 continue
             words: Any = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode().split()
             rollup = (entry / "smaps_rollup").read_text()
-            kilobytes = int(rollup.partition("\nPss:")[2].split()[0])
+            kilobytes = int(rollup.partition(f"\n{what}:")[2].split()[0])
         except (OSError, IndexError, ValueError):  # gone meanwhile
             continue
         if len(words) > 1:
