@@ -130,8 +130,8 @@ def _cpu(values: Mapping[str, Mapping[str, str]], composed: bool) -> Iterator[tu
 def memory_of_children(parent: int, what: str = "Pss") -> dict[str, int]:
     """Name of each process that a process has started → its proportional share of memory [bytes].
 
-    `what`: `Pss`, or `Pss_Anon` for its own data alone: of libraries on disk everybody who happens to use them
-    has a share.
+    `what`: `Pss`, or `Pss_Anon` for its own data alone: of libraries on disk everybody who happens to use
+    them has a share.
     """
     found: dict[str, int] = {}
     for entry in Path("/proc").iterdir():
