@@ -19,6 +19,7 @@ from follower_humanoid.compile import import_components
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
+from follower_humanoid.ros.company import has_company
 from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
 from follower_humanoid.ros.lines import BORN_WITH, line_pairs
@@ -33,6 +34,7 @@ _LONGEST_START = 60.0
 _LONGEST_STOP = 20.0  # s, for a slow disk; at a signal: _HASTE
 _HASTE = 2.6
 _LOOK_AROUND = 0.25  # until those that run already are known [s]
+_LOOK_CLOSER = 2.5  # the same where somebody is there, whose names may take a while on a busy machine [s]
 _SILENT = 3.0  # without diagnostics for that long a node counts as stuck [s]
 
 
@@ -75,6 +77,10 @@ class BringupRun:
     def _start_and_watch(self, arguments: list[str]) -> int:
         plan, director = self._plan, self._director
         director.spin(_LOOK_AROUND)
+        deadline = time.monotonic() + _LOOK_CLOSER
+        while has_company(_domain()) and time.monotonic() < deadline:
+            self._refuse_company(0)
+            director.spin(0.05)
         self._refuse_company(0)
         if plan.options.bag:
             about = self._folder / "about.yaml"
@@ -152,9 +158,9 @@ class BringupRun:
         """
         found = self._director.more_than(own, self._plan.nodes)
         if found:
-            domain = os.environ.get("ROS_DOMAIN_ID") or "0"
             raise ConfigurationError(
-                f"another robot runs in ROS domain {domain} under namespace '/{self._director.namespace}': "
+                f"another robot runs in ROS domain {_domain()} "
+                f"under namespace '/{self._director.namespace}': "
                 f"{', '.join(found)}; valid: another --namespace, or another ROS_DOMAIN_ID"
             )
 
@@ -197,3 +203,8 @@ class BringupRun:
     def _say(self, text: str) -> None:
         self._line.end()
         print(text, file=sys.stderr, flush=True)
+
+
+def _domain() -> int:
+    """The ROS domain; rclpy has refused what is none."""
+    return int(os.environ.get("ROS_DOMAIN_ID") or 0)
