@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from follower_humanoid.balance.balance_config import BalanceConfig
-from follower_humanoid.balance.correction import Kinematics, Situation, on_ground
+from follower_humanoid.balance.correction import Kinematics, Situation
 from follower_humanoid.balance.dcm_balance import DcmBalance
 from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
 from follower_humanoid.balance.paper_law import PaperBalance
@@ -99,7 +99,7 @@ class ZmpBalance:
         zmp = measured_zmp(inputs.left_foot, inputs.right_foot, *self._soles, self._config.zmp.force_floor)
         polygon = self._support_polygon(inputs)
         self._watch.see(zmp, polygon, self._body.base[0])
-        com, shown_zmp = Point(self._body.com.copy()), None if zmp is None else on_ground(zmp)
+        com, shown_zmp = Point(self._body.com.copy()), None if zmp is None else Point.on_ground(zmp)
         shown_polygon = None if polygon is None else Polygon(polygon)
         situation = self._situation(inputs, zmp)
         if situation is None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from follower_humanoid.balance.hand_forces import HandEffect
 from follower_humanoid.balance.zmp import SolePlace
 from follower_humanoid.core.samples import Array, ContactPlan, Joints, Point, Wrench
@@ -62,10 +60,3 @@ class Correction(NamedTuple):
     dcm: Point | None = None
     left_foot: Wrench | None = None
     right_foot: Wrench | None = None
-
-
-def on_ground(point: Array) -> Point:
-    """What is over the ground, shape (≥ 2,) [m], as a sample."""
-    xyz = np.zeros(3)
-    xyz[:2] = point[:2]
-    return Point(xyz)

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from follower_humanoid.balance.correction import Correction, Kinematics, Situation, on_ground
+from follower_humanoid.balance.correction import Correction, Kinematics, Situation
 from follower_humanoid.balance.shifted_reference import ShiftedReference
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.samples import Array
+from follower_humanoid.core.samples import Array, Point
 from follower_humanoid.gait.differential_ik import IkConfig
 from follower_humanoid.gait.pendulum import natural_frequency
 from follower_humanoid.robot.model import RobotModel
@@ -65,7 +65,7 @@ class PaperBalance:
         self._shift = np.minimum(np.maximum(old + dt * rate, -limit), limit)
         rate = (self._shift - old) / dt
         reference = self._shifted.step(now.q_wanted, now.v_wanted, self._shift, rate, dt)
-        return Correction(on_ground(now.zmp.xyz), reference)
+        return Correction(Point.on_ground(now.zmp.xyz), reference)
 
     def _velocity(self, now: Situation) -> Array:
         """The correction of the CoM's velocity, shape (2,) [m/s]."""

@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -134,10 +135,8 @@ def memory_of_children(parent: int, what: str = "Pss") -> dict[str, int]:
     them has a share.
     """
     found: dict[str, int] = {}
-    for entry in Path("/proc").iterdir():
+    for entry in _children(parent):
         try:
-            if not entry.name.isdigit() or _parent(entry) != parent:
-                continue
             words: Any = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode().split()
             rollup = (entry / "smaps_rollup").read_text()
             kilobytes = int(rollup.partition(f"\n{what}:")[2].split()[0])
@@ -151,20 +150,20 @@ def memory_of_children(parent: int, what: str = "Pss") -> dict[str, int]:
 def cpu_of_children(parent: int) -> float:
     """Processor time that the processes which a process has started have used [s]."""
     used = 0
-    for entry in Path("/proc").iterdir():
-        try:
-            if entry.name.isdigit() and _parent(entry) == parent:
-                used += sum(map(int, _stat(entry)[11:13]))
-        except (OSError, IndexError, ValueError):  # gone meanwhile
-            continue
+    for entry in _children(parent):
+        with suppress(OSError, IndexError, ValueError):  # gone meanwhile
+            used += sum(map(int, _stat(entry)[11:13]))
     return used / os.sysconf("SC_CLK_TCK")
+
+
+def _children(parent: int) -> Iterator[Path]:
+    """Folders in `/proc` of the processes that a process has started."""
+    for entry in Path("/proc").iterdir():
+        with suppress(OSError, IndexError, ValueError):  # gone meanwhile
+            if entry.name.isdigit() and int(_stat(entry)[1]) == parent:
+                yield entry
 
 
 def _stat(entry: Path) -> list[str]:
     """What `/proc/PID/stat` says after the process's name: state, parent, ..."""
     return (entry / "stat").read_text().rpartition(")")[2].split()
-
-
-def _parent(entry: Path) -> int:
-    """Process id of the parent."""
-    return int(_stat(entry)[1])

@@ -84,6 +84,13 @@ class Point:
 
     xyz: Array
 
+    @classmethod
+    def on_ground(cls, place: Array) -> Point:
+        """What is over the ground, shape (≥ 2,) [m]."""
+        xyz = np.zeros(3)
+        xyz[:2] = place[:2]
+        return cls(xyz)
+
 
 @dataclass(frozen=True, slots=True)
 class Polygon:

@@ -112,8 +112,7 @@ class GaitChanges:
         Returns:
             Walking parameters to be used now.
         """
-        if wanted != self.used:
-            self.used = self._within_reach(wanted, walker, dcm, room)
+        self.used = self._within_reach(wanted, walker, dcm, room)
         return self.used
 
     def _within_reach(self, wanted: Gait, walker: Walker, dcm: Array, room: ZmpRoom) -> Gait:

@@ -104,8 +104,8 @@ class MotionComposition:
         return CompositionOutputs(
             reference=reference,
             base=base,
-            zmp_reference=_on_ground(pendulum.zmp),
-            dcm_reference=_on_ground(pendulum.dcm),
+            zmp_reference=Point.on_ground(pendulum.zmp),
+            dcm_reference=Point.on_ground(pendulum.dcm),
             contacts=walker.contacts(),
             primitives=PrimitiveStates(names, completion),
             footsteps=self._changed_footsteps(walker, coming),
@@ -156,10 +156,6 @@ class MotionComposition:
         self._footsteps_sent = state
         taken = [_footstep(foot, True, counted) for foot, counted in walker.taken[-SHOWN_STEPS:]]
         return Footsteps((*taken, *(_footstep(foot, False, True) for foot in coming)))
-
-
-def _on_ground(place: Array) -> Point:
-    return Point(np.array((*place.tolist(), 0.0)))
 
 
 def _footstep(foot: FootPose, taken: bool, counted: bool) -> Footstep:
