@@ -16,10 +16,9 @@ from lifecycle_msgs.msg import Transition
 from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.compile import import_components
-from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
-from follower_humanoid.ros.company import has_company
+from follower_humanoid.ros.claim import Claim, already_runs
 from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.director import Director
 from follower_humanoid.ros.lines import BORN_WITH, line_pairs
@@ -33,8 +32,7 @@ COMPOSED = "composed"
 _LONGEST_START = 60.0
 _LONGEST_STOP = 20.0  # s, for a slow disk; at a signal: _HASTE
 _HASTE = 2.6
-_LOOK_AROUND = 0.25  # until those that run already are known [s]
-_LOOK_CLOSER = 2.5  # the same where somebody is there, whose names may take a while on a busy machine [s]
+_LOOK_AROUND = 0.25  # until those that run already, on other machines or by hand, are known [s]
 _SILENT = 3.0  # without diagnostics for that long a node counts as stuck [s]
 
 
@@ -50,6 +48,7 @@ class BringupRun:
         self._parameter_file = self._folder / "parameters.yaml"
         self._crew = Crew({})
         self._director: Director
+        self._claim: Claim  # held from before the first node runs until the last one has ended
         self._active_since = math.inf  # from then on a sign of life is due
 
     def run(self) -> int:
@@ -76,11 +75,8 @@ class BringupRun:
 
     def _start_and_watch(self, arguments: list[str]) -> int:
         plan, director = self._plan, self._director
+        self._claim = Claim(_domain(), director.namespace, plan.nodes)
         director.spin(_LOOK_AROUND)
-        deadline = time.monotonic() + _LOOK_CLOSER
-        while has_company(_domain()) and time.monotonic() < deadline:
-            self._refuse_company(0)
-            director.spin(0.05)
         self._refuse_company(0)
         if plan.options.bag:
             about = self._folder / "about.yaml"
@@ -158,11 +154,7 @@ class BringupRun:
         """
         found = self._director.more_than(own, self._plan.nodes)
         if found:
-            raise ConfigurationError(
-                f"another robot runs in ROS domain {_domain()} "
-                f"under namespace '/{self._director.namespace}': "
-                f"{', '.join(found)}; valid: another --namespace, or another ROS_DOMAIN_ID"
-            )
+            raise already_runs(_domain(), self._director.namespace, found)
 
     def _end(self, end: End) -> int:
         """Ends everyone, sums up, and says what the run came to."""
