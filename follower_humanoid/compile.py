@@ -12,7 +12,6 @@ from typing import Any
 from numba.core import event
 
 from follower_humanoid.graph.wiring import ARM_TASK, NODES
-from follower_humanoid.ros.quiet import quiet_stderr
 
 
 class _Announcement(event.Listener):
@@ -31,8 +30,6 @@ class _Announcement(event.Listener):
 
 def import_components() -> None:
     """Imports every component of the wiring table; kernels come from disk if they were compiled before."""
-    with quiet_stderr():  # a physics engine introduces itself when it is imported
-        import pybullet  # noqa: F401
     with event.install_listener("numba:compile", _Announcement()):
         for node in (*NODES.values(), ARM_TASK):
             node.component_class()

@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pybullet
 import pytest
+from bullet_reference import Reference
 from plant_bench import HIGH_UP, plant_from, robot
 
 from follower_humanoid.plant.pulls import Pull
@@ -20,6 +21,13 @@ def simulator():
     simulator.close()
 
 
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    loaded = Reference(tmp_path_factory.mktemp("urdf"))
+    yield loaded
+    loaded.close()
+
+
 def random_state(simulator, seed, speed=1.0):
     random = np.random.default_rng(seed)
     q = simulator.plant.q.copy()
@@ -31,15 +39,14 @@ def random_state(simulator, seed, speed=1.0):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_mass_matrices_agree(simulator, seed):
+def test_mass_matrices_agree(simulator, loaded, seed):
     plant = simulator.plant
     q, v, _ = random_state(simulator, seed, 0.0)
     plant.bullet.place(q, v)
     order = plant.bullet.dof_order()
     joints = np.empty(45)
     joints[order] = q[7:]
-    client = plant.world.client
-    found = pybullet.calculateMassMatrix(plant.bullet.body, joints.tolist(), physicsClientId=client)
+    found = pybullet.calculateMassMatrix(loaded.body, joints.tolist(), physicsClientId=loaded.client)
     found = np.array(found)
     model, data = plant.model.copy(), plant.model.createData()
     model.armature = np.zeros(51)
@@ -82,13 +89,10 @@ def test_forward_dynamics_agree(simulator, seed):
     assert (after - start) / h == pytest.approx(expected_com, rel=1e-8, abs=1e-7)
 
 
-def test_same_mass_in_both(simulator):
+def test_same_mass_in_both(simulator, loaded):
     plant = simulator.plant
-    links = range(-1, pybullet.getNumJoints(plant.bullet.body, physicsClientId=plant.world.client))
-    masses = [
-        pybullet.getDynamicsInfo(plant.bullet.body, link, physicsClientId=plant.world.client)[0]
-        for link in links
-    ]
+    links = range(-1, pybullet.getNumJoints(loaded.body, physicsClientId=loaded.client))
+    masses = [pybullet.getDynamicsInfo(loaded.body, n, physicsClientId=loaded.client)[0] for n in links]
     assert sum(masses) == pytest.approx(sum(i.mass for i in plant.model.inertias), rel=1e-12)
 
 

@@ -6,7 +6,7 @@ import pytest
 from plant_bench import Holding, plant, robot
 
 from follower_humanoid.core.samples import Wrench
-from follower_humanoid.plant.bullet_robot import base_state
+from follower_humanoid.plant.bullet_kernels import base_state
 from follower_humanoid.plant.pulls import add_in_joint, add_pull, held_point
 from follower_humanoid.plant.sensor_sums import add_joint_force, mean_acceleration, seen_from
 from follower_humanoid.robot.pose_table import pose_table

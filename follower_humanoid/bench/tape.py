@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pybullet
 
 from follower_humanoid.core.samples import Array
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.plant.bullet_robot import BulletRobot
 
 Call = tuple[str, tuple[Any, ...]]
-_RECORDED = ("drive", "support", "push", "twist")
+_RECORDED = ("drive", "support", "pull")
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,8 @@ class Tape:
 
     def _noting(self, name: str, call: Callable[..., None]) -> Callable[..., None]:
         def note_and_call(*arguments: Any) -> None:
-            self._steps[-1].append((name, arguments))
+            kept = tuple(a.copy() if isinstance(a, np.ndarray) else a for a in arguments)
+            self._steps[-1].append((name, kept))
             call(*arguments)
 
         return note_and_call
@@ -86,10 +86,7 @@ class Tape:
                 wall += time.perf_counter() - wall_before
                 cpu += time.process_time() - cpu_before
                 # Not part of it: without, forces would act at last step's places and the robot would fall.
-                pybullet.getLinkState(
-                    bullet.body, 0, computeForwardKinematics=True, physicsClientId=plant.world.client
-                )
-            bullet.read()
+                bullet.read()
             self.state = bullet.q.copy()
         finally:
             chain.close()

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import sys
 
+from follower_humanoid.arm_experiment.plan import make_arm_plan
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.managed_node import BAD_CONFIGURATION
-from follower_humanoid.ros.quiet import quiet_stderr
 
 
 def main(args: list[str] | None = None) -> int:
     """Runs the experiment; returns the exit status."""
     try:
-        with quiet_stderr():  # a physics engine introduces itself when it is imported
-            from follower_humanoid.arm_experiment.plan import make_arm_plan
-
-            plan = make_arm_plan(sys.argv[1:] if args is None else args)
+        plan = make_arm_plan(sys.argv[1:] if args is None else args)
         from follower_humanoid.ros.bringup_run import BringupRun
 
         return BringupRun(plan).run()

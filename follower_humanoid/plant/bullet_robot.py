@@ -2,87 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from operator import itemgetter
-from struct import Struct
-
 import numpy as np
 import pinocchio as pin
-import pybullet
 
-from follower_humanoid.core.kernel import kernel
 from follower_humanoid.core.samples import Array
+from follower_humanoid.errors import PhysicsError
+from follower_humanoid.plant import bullet_kernels
+from follower_humanoid.plant.bullet_client import BASE
 from follower_humanoid.plant.spatial import cross
 from follower_humanoid.plant.world import World
 from follower_humanoid.robot.model import BASE_DOF, Indices
 
 # Pinocchio's joint 1 is the free-flyer; joint n > 1 is actuated joint n − 2.
 FIRST_ACTUATED = 2
-Triple = tuple[float, float, float]
 # Bullet's names for kinds of bodies, in its collision filter.
 _DYNAMIC, _STATIC = 1, 2
-# Of what PyBullet says about a joint.
-_ANGLE, _RATE = itemgetter(0), itemgetter(1)
-
-
-@kernel(
-    "boolean(UniTuple(float64, 3), UniTuple(float64, 4), UniTuple(float64, 3), UniTuple(float64, 3), "
-    "float64[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], float64[:,::1])"
-)
-def base_state(
-    position: Triple, quat: tuple[float, ...], linear: Triple, spin: Triple, center: Array, turn: Array,
-    q: Array, v: Array, rotation: Array, base: Array,
-) -> bool:  # fmt: skip
-    """State of base_link from that of its centre of mass and principal axes.
-
-    Answers whether all of v is finite.
-
-    R = R_axes R_turn;  x = x_c − R c;  ẋ = ẋ_c − ω × R c;  the twist in base axes is (Rᵀ ẋ, Rᵀ ω).
-
-    Args:
-        position, quat: Pose of centre and principal axes in world; (x, y, z, w).
-        linear, spin: ẋ_c and ω, in world.
-        center: c, in base_link, (3,).
-        turn: Quaternion of R_turn, base_link to principal axes, (4,).
-        q, v: Configuration and velocity, of which the base's rows are written.
-        rotation, base: Written: R, and ẋ and ω in world, (2, 3).
-    """
-    x, y, z, w = quat
-    i, j, k, r = turn
-    q[3] = w * i + x * r + y * k - z * j
-    q[4] = w * j + y * r + z * i - x * k
-    q[5] = w * k + z * r + x * j - y * i
-    q[6] = w * r - x * i - y * j - z * k
-    x, y, z, w = q[3], q[4], q[5], q[6]
-    rotation[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    rotation[0, 1] = 2.0 * (x * y - z * w)
-    rotation[0, 2] = 2.0 * (x * z + y * w)
-    rotation[1, 0] = 2.0 * (x * y + z * w)
-    rotation[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    rotation[1, 2] = 2.0 * (y * z - x * w)
-    rotation[2, 0] = 2.0 * (x * z - y * w)
-    rotation[2, 1] = 2.0 * (y * z + x * w)
-    rotation[2, 2] = 1.0 - 2.0 * (x * x + y * y)
-    for axis in range(3):
-        base[0, axis], base[1, axis], q[axis] = linear[axis], spin[axis], position[axis]
-    for axis in range(3):
-        # The centre's place relative to base_link, in world.
-        arm = rotation[axis, 0] * center[0] + rotation[axis, 1] * center[1] + rotation[axis, 2] * center[2]
-        q[axis] -= arm
-        after, last = (axis + 1) % 3, (axis + 2) % 3
-        # Its share of −ω × arm: along the two other axes.
-        base[0, after] -= spin[last] * arm
-        base[0, last] += spin[after] * arm
-    for axis in range(3):
-        v[axis] = v[3 + axis] = 0.0
-        for row in range(3):
-            v[axis] += rotation[row, axis] * base[0, row]
-            v[3 + axis] += rotation[row, axis] * base[1, row]
-    total = 0.0
-    for rate in v:
-        total += rate
-    return math.isfinite(total)
 
 
 class BulletRobot:
@@ -113,40 +47,30 @@ class BulletRobot:
         """
         self._client = client = world.client
         self.body = world.load(urdf, fixed=driven is not None)
-        count = pybullet.getNumJoints(self.body, physicsClientId=client)
-        infos = [pybullet.getJointInfo(self.body, n, physicsClientId=client) for n in range(count)]
-        names = [info[1].decode() for info in infos]
+        joints = client.joints(self.body)
+        names = [joint.name for joint in joints]
         self._joints = [names.index(name) for name in joint_names]
-        self._driven = self._joints if driven is None else [self._joints[n] for n in driven]
-        self._rows: slice | Indices = slice(None) if driven is None else driven
-        self.link_names = {-1: "base_link"} | {n: info[12].decode() for n, info in enumerate(infos)}
-        for link in range(-1, count):
-            # Bullet's default damping of 0.04 is phantom drag. Friction is the product of both bodies'.
-            pybullet.changeDynamics(
-                self.body, link, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0,
-                maxJointVelocity=1e4, lateralFriction=world.ground.friction, restitution=0.0,
-                physicsClientId=client,
-            )  # fmt: skip
-        for link in range(count):
-            # Links pass through each other, but Bullet would list every two that are near, and sort the list.
-            pybullet.setCollisionFilterGroupMask(self.body, link, _DYNAMIC, _STATIC, physicsClientId=client)
-        # Bullet's default velocity motors would hold the joints.
-        pybullet.setJointMotorControlArray(
-            self.body, self._driven, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(self._driven),
-            physicsClientId=client,
-        )  # fmt: skip
-        info = pybullet.getDynamicsInfo(self.body, -1, physicsClientId=client)
+        self._rows: Indices = np.arange(len(joint_names)) if driven is None else driven
+        self.link_names = {BASE: "base_link"} | {n: joint.link for n, joint in enumerate(joints)}
+        for link in self.link_names:
+            client.undamp(self.body, link)
+            client.set_contact(self.body, link, world.ground.friction)
+            if link != BASE:
+                # Links pass through each other, but Bullet would list and sort all that are near each other.
+                client.set_filter(self.body, link, _DYNAMIC, _STATIC)
+        moving = [joints[self._joints[row]] for row in self._rows]
+        places = [(joint.position, joint.rate, row) for joint, row in zip(moving, self._rows, strict=True)]
+        self._places = np.array(places, dtype=np.int32)
+        self._driven = np.array([joint.rate for joint in moving], dtype=np.int32)
+        client.release(self.body, self._driven.tolist())
+        positions, rates, frame = client.state_sizes(self.body)
+        self._positions, self._rates = np.zeros(positions), np.zeros(rates)
+        self._answer = np.zeros(7, dtype=np.int64)
         # Bullet's base pose is the frame of the base's centre of mass and principal axes.
-        self.center_in_base = np.array(info[3])
-        self._principal_axes = pin.Quaternion(np.array(info[4]))
+        self.center_in_base = np.array(frame[:3])
+        self._principal_axes = pin.Quaternion(np.array(frame[3:]))
         self._to_base: Array = self._principal_axes.conjugate().coeffs().copy()
         self.q, self.v = np.zeros(7 + len(joint_names)), np.zeros(BASE_DOF + len(joint_names))
-        # Where `read` puts angles and rates: where they belong, if all joints are driven.
-        self._all_driven = driven is None
-        self._angles, self._rates = self.q[7:], self.v[BASE_DOF:]
-        if not self._all_driven:
-            self._angles, self._rates = np.zeros((2, len(self._driven)))
-        self._numbers = Struct(f"{len(self._driven)}d")
         self.rotation, self.base_twist = np.eye(3), np.zeros((2, 3))
         self.reads, self.finite = 0, True
         self.read()
@@ -163,39 +87,29 @@ class BulletRobot:
         spin = rotation @ v[3:6]
         center = rotation @ self.center_in_base
         quat = pin.Quaternion(rotation @ self._principal_axes.toRotationMatrix()).coeffs()
-        pybullet.resetBasePositionAndOrientation(
-            self.body, (q[:3] + center).tolist(), quat.tolist(), physicsClientId=self._client
-        )
-        linear = rotation @ v[:3] + cross(spin, center)
-        pybullet.resetBaseVelocity(self.body, linear.tolist(), spin.tolist(), physicsClientId=self._client)
+        client, body = self._client, self.body
+        client.place_base(body, q[:3] + center, quat)
+        client.move_base(body, rotation @ v[:3] + cross(spin, center), spin)
         self.q[7:] = q[7:]
-        angles, rates = q[7:][self._rows], v[BASE_DOF:][self._rows]
-        for joint, angle, rate in zip(self._driven, angles, rates, strict=True):
-            pybullet.resetJointState(
-                self.body, joint, float(angle), float(rate), physicsClientId=self._client
-            )
+        for row in self._rows:
+            client.set_joint(body, self._joints[row], q[7 + row], v[BASE_DOF + row])
         self.read()
 
     def read(self) -> None:
-        """Renews q, v, rotation and base velocity from PyBullet."""
-        # External forces are placed relative to link poses that Bullet leaves one step old; asking for
-        # forward kinematics of any link renews them all. Else a swinging hand feels N·mm out of nothing.
-        pybullet.getLinkState(
-            self.body, 0, computeForwardKinematics=True, physicsClientId=self._client
-        )
-        position, quat = pybullet.getBasePositionAndOrientation(self.body, self._client)
-        linear, spin = pybullet.getBaseVelocity(self.body, self._client)
-        states = pybullet.getJointStates(self.body, self._driven, self._client)
-        self._numbers.pack_into(self._angles.data, 0, *map(_ANGLE, states))
-        self._numbers.pack_into(self._rates.data, 0, *map(_RATE, states))
-        if not self._all_driven:
-            self.q[7:][self._rows], self.v[BASE_DOF:][self._rows] = self._angles, self._rates
+        """Renews q, v, rotation and base velocity from PyBullet.
+
+        Raises:
+            PhysicsError: There is no server any more.
+        """
         self.rotation, self.base_twist = np.empty((3, 3)), np.empty((2, 3))
-        self.reads += 1
-        self.finite = base_state(
-            position, quat, linear, spin, self.center_in_base, self._to_base,
-            self.q, self.v, self.rotation, self.base_twist,
+        found = bullet_kernels.renew(
+            self._client.handle, self.body, self._places, self._answer, self._positions, self._rates,
+            self.center_in_base, self._to_base, self.q, self.v, self.rotation, self.base_twist,
         )  # fmt: skip
+        if found == bullet_kernels.SILENT:
+            raise PhysicsError("the PyBullet server does not answer")
+        self.reads += 1
+        self.finite = found == bullet_kernels.FINITE
 
     def dof_order(self) -> Indices:
         """Where each of the 45 joints stands among PyBullet's own degrees of freedom."""
@@ -203,26 +117,21 @@ class BulletRobot:
 
     def drive(self, torque: Array) -> None:
         """Joint torques of the next step, shape (45,) [N·m]."""
-        pybullet.setJointMotorControlArray(
-            self.body, self._driven, pybullet.TORQUE_CONTROL, forces=torque[self._rows].tolist(),
-            physicsClientId=self._client,
-        )  # fmt: skip
+        moving = torque if self._driven.size == torque.size else torque[self._rows]
+        bullet_kernels.drive(self._client.handle, self.body, self._driven, moving)
 
-    def push(self, link: int, force: Sequence[float], place: Sequence[float]) -> None:
-        """A force [N] during the next step on one of PyBullet's links, at a place, in world."""
-        pybullet.applyExternalForce(self.body, link, force, place, pybullet.WORLD_FRAME, self._client)
+    def pull(self, link: int, force: Array, torque: Array, place: Array) -> None:
+        """A wrench [N, N·m] during the next step on one of PyBullet's links, at a place [m], in world."""
+        bullet_kernels.pull(self._client.handle, self.body, link, force, torque, place)
 
-    def support(self, links: list[int], forces: list[list[float]], places: list[list[float]]) -> None:
-        """What the ground does during the next step: upward forces [N] on links, at places, in world."""
-        body, client, push, frame = self.body, self._client, pybullet.applyExternalForce, pybullet.WORLD_FRAME
-        for link, force, place in zip(links, forces, places, strict=True):
-            if force[2] > 0.0:
-                push(body, link, force, place, frame, client)
+    def support(self, links: bullet_kernels.Ints, forces: Array, places: Array) -> None:
+        """What the ground does during the next step: upward forces [N] on links, at places [m], in world.
 
-    def twist(self, link: int, torque: Sequence[float]) -> None:
-        """A torque [N·m] during the next step on one of PyBullet's links, in world."""
-        if any(torque):
-            pybullet.applyExternalTorque(self.body, link, torque, pybullet.WORLD_FRAME, self._client)
+        Args:
+            links: PyBullet's, shape (n,), int32.
+            forces, places: Shape (n, 3); forces that point down are none.
+        """
+        bullet_kernels.support(self._client.handle, self.body, links, forces, places)
 
     def link(self, joint: int) -> int:
         """PyBullet's link behind a joint of Pinocchio."""

@@ -86,7 +86,7 @@ class RobotPlant:
         self.soles = Soles(soles, robot, self.joint_poses, world.ground, self._step)
         self.stops = Stops(stops, robot.lower, robot.upper, self._step)
         self.bullet = self._body(urdf, fixed_trunk)
-        self._sole_links = [self.bullet.link(joint) for joint in self.soles.joints]
+        self._sole_links = np.array([self.bullet.link(joint) for joint in self.soles.joints], dtype=np.int32)
         self.q, self.v = self.bullet.q, self.bullet.v
         self.joint_position, self.joint_velocity = self.q[7:], self.v[BASE_DOF:]
         self.acceleration = np.zeros(self.model.nv)
@@ -205,11 +205,10 @@ class RobotPlant:
         torque = self.effort + self.stops.torque if self.stops.active else self.effort
         self.bullet.drive(torque)
         if self.soles.touching:
-            self.bullet.support(self._sole_links, self.soles.force.tolist(), self.soles.points.tolist())
+            self.bullet.support(self._sole_links, self.soles.force, self.soles.points)
         for pull, place in zip(pulls, places, strict=True):
             link = self.bullet.link(self.held_point(pull.frame).joint)
-            self.bullet.push(link, pull.force.tolist(), place.tolist())
-            self.bullet.twist(link, pull.torque.tolist())
+            self.bullet.pull(link, pull.force, pull.torque, place)
 
     def _complain(self, forces: Array) -> None:
         # What comes out of a step has reached every joint: what went into it tells where it began.

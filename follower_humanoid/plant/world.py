@@ -8,11 +8,12 @@ import tempfile
 from dataclasses import dataclass
 
 import numpy as np
-import pybullet
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Array
-from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.errors import ConfigurationError, PhysicsError
+from follower_humanoid.plant import bullet_kernels
+from follower_humanoid.plant.bullet_client import BASE, BulletClient
 from follower_humanoid.robot.model import GRAVITY
 
 
@@ -45,31 +46,23 @@ class World:
     """One PyBullet server; several live side by side in one process.
 
     Attributes:
-        client: PyBullet's id of this server.
+        client: The server.
         step_length: Physics step [s].
         ground: Shape of the ground.
+        ground_body: Bullet's id of it.
     """
 
     def __init__(self, step_length: float, ground: Ground) -> None:
         """An empty world with gravity and ground."""
         self.step_length = step_length
         self.ground = ground
-        self.client: int = pybullet.connect(pybullet.DIRECT)
-        if self.client < 0:
-            raise ConfigurationError("no PyBullet server could be started in this process")
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=step_length, numSolverIterations=50, numSubSteps=0,
-            deterministicOverlappingPairs=1, enableFileCaching=0, physicsClientId=self.client,
-        )
-        pybullet.setGravity(*ground.gravity, physicsClientId=self.client)
-        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self.client)
-        self.ground_body: int = pybullet.createMultiBody(0, plane, physicsClientId=self.client)
-        pybullet.changeDynamics(
-            self.ground_body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=self.client
-        )
+        self.client = BulletClient()
+        self.client.set_engine(step_length, ground.gravity.tolist())
+        self.ground_body = self.client.add_ground()
+        self.client.set_contact(self.ground_body, BASE, 1.0)
 
     def load(self, urdf: str, fixed: bool = False) -> int:
-        """Puts a robot, given as URDF text, into the world; returns PyBullet's body id.
+        """Puts a robot, given as URDF text, into the world; returns Bullet's id of its body.
 
         Args:
             urdf: The description.
@@ -82,29 +75,23 @@ class World:
         try:
             with os.fdopen(handle, "w", encoding="utf-8") as file:
                 file.write(urdf)
-            body: int = pybullet.loadURDF(
-                path, flags=pybullet.URDF_USE_INERTIA_FROM_FILE, useFixedBase=fixed,
-                physicsClientId=self.client,
-            )
-        except pybullet.error as error:
-            raise ConfigurationError(f"PyBullet cannot load the URDF: {error}") from None
+            body = self.client.load(path, fixed)
         finally:
             os.unlink(path)
+        if body < 0:
+            raise ConfigurationError("PyBullet cannot load the URDF")
         return body
 
     def step(self) -> None:
         """Advances everything in the world by one physics step."""
-        pybullet.stepSimulation(self.client)
+        if not bullet_kernels.step(self.client.handle):
+            raise PhysicsError("the PyBullet server does not answer")
 
     def link_on_ground(self, body: int) -> int | None:
         """Index of the first link of a body that Bullet sees touching the ground; −1 is the base."""
-        for contact in pybullet.getContactPoints(self.ground_body, body, physicsClientId=self.client):
-            if contact[8] <= 0.0:
-                return int(contact[4])
-        return None
+        link = bullet_kernels.link_on(self.client.handle, self.ground_body, body)
+        return None if link == bullet_kernels.NO_LINK else link
 
     def close(self) -> None:
         """Ends the server; closing twice is harmless."""
-        if self.client >= 0:
-            pybullet.disconnect(self.client)
-            self.client = -1
+        self.client.close()

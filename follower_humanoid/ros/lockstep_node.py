@@ -22,7 +22,6 @@ from follower_humanoid.ros.managed_node import ManagedNode
 from follower_humanoid.ros.outlet import NOTHING, Outlet
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
-from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.shared_robot import shared_robot
 from follower_humanoid.ros.starting import Starting
 from follower_humanoid.ros.toll import Toll
@@ -61,8 +60,7 @@ class LockStepNode(ManagedNode):
         """
         super().__init__(wiring.name, **options)
         self.wiring = wiring = node_wiring(wiring.name, self.present)
-        with quiet_stderr():  # a physics engine introduces itself when it is imported
-            component_class = wiring.component_class()
+        component_class = wiring.component_class()
         adjustable = hasattr(component_class, "reconfigure")
         self.config = declare(self, component_class.Config, adjustable)
         self._adjusted = AdjustedParameters(self) if adjustable else None

@@ -14,7 +14,6 @@ from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import ARM_TASK, NODES
 from follower_humanoid.resources import share_path
-from follower_humanoid.ros.quiet import quiet_stderr
 
 KEY = "ros__parameters"
 Parameters = dict[str, dict[str, Any]]
@@ -52,9 +51,6 @@ def run_parameters(
     from follower_humanoid.graph.config_file import load_parameters
     from follower_humanoid.graph.node_configs import node_names, node_parameters
 
-    with quiet_stderr():  # a physics engine introduces itself when it is imported
-        for node in NODES.values():
-            node.component_class()
     merged, own = load_parameters([base, *files], namespace), load_parameters(files, namespace)
     for target, name, text in assignments:
         known = {n: node_parameters(n) for n in ([target] if target else node_names())}
