@@ -42,17 +42,18 @@ def unpack(data: Bytes, template: Bytes, fixed: Spans, runs: Spans, numbers: Arr
     """
     different = np.uint8(0)
     for n in range(fixed.shape[0]):
-        for at in range(fixed[n, 0], fixed[n, 1]):  # without a way out, so that it is many bytes at a time
+        # Without a way out, and with indices that cannot be negative: so it is many bytes at a time.
+        for at in range(np.uint64(fixed[n, 0]), np.uint64(fixed[n, 1])):
             different |= data[at] ^ template[at]
     if different:
         return False
     target = numbers.view(np.uint8)
-    end = 0
+    end = np.uint64(0)
     for n in range(runs.shape[0]):
-        first = runs[n, 0]
-        for at in range(runs[n, 1]):
+        first, count = np.uint64(runs[n, 0]), np.uint64(runs[n, 1])
+        for at in range(count):
             target[end + at] = data[first + at]
-        end += runs[n, 1]
+        end += count
     nothing = 0.0
     for number in numbers:
         nothing += number - number
