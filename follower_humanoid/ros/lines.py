@@ -22,6 +22,8 @@ from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, nodes_with
 # as on a topic; for the recorder four seconds of the fastest: a disk may hesitate that long.
 DEPTH, RECORDER_DEPTH = 1000, 2000
 LARGEST = 1 << 17  # bytes of one message
+# Room for one message of any size, once: to ask for new memory of that size costs more than the message.
+_ARRIVED = memoryview(bytearray(LARGEST))
 _GONE = (errno.EPIPE, errno.ECONNRESET, errno.ENOTCONN)
 _NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)
 
@@ -107,15 +109,15 @@ class Ear:
         if not self.open:
             return None
         try:
-            data = self._end.recv(LARGEST)
+            size = self._end.recv_into(_ARRIVED)
         except BlockingIOError:
             return None
         except ConnectionError:
-            data = b""
-        if not data:
+            size = 0
+        if not size:
             self.close()
             return None
-        return data
+        return _ARRIVED[:size].tobytes()
 
     def close(self) -> None:
         """Hears no more."""
