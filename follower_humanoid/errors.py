@@ -22,4 +22,4 @@ class UnknownNameError(ConfigurationError):
 
 
 class PhysicsError(FollowerError):
-    """The simulated physics left the finite numbers; the message says where it began."""
+    """The simulated physics left the finite numbers, and where that began; or its engine is gone."""

@@ -1,7 +1,7 @@
 """Two robots under the same names: the second one is refused, and the first one does not notice."""
 
 import pytest
-from graph_bench import bringup
+from graph_bench import PATIENCE, bringup, environment, node
 
 pytestmark = pytest.mark.timeout(300)
 OPTIONS = ("--composed", "--leader", "none", "--bag")
@@ -20,6 +20,27 @@ def test_a_second_robot_under_the_same_names_is_refused_and_starts_nothing(tmp_p
         first.end()
         assert first.process.returncode == 0, first.complained
         assert first.complained == ""
+
+
+def test_of_two_robots_that_are_started_together_one_is_refused(tmp_path):
+    more, both = ("none", "--duration", "0.1"), environment()
+    args = (tmp_path, *OPTIONS, *more)
+    with bringup(*args, env=both) as first, bringup(*args, env=both) as second:
+        assert sorted([first.wait(), second.wait()]) == [0, 2], first.complained + second.complained
+    assert "another robot runs in ROS domain" in first.complained + second.complained
+
+
+@pytest.mark.parametrize("name", ["zmp_balance", "recorder"])
+def test_a_name_that_a_node_started_by_hand_has_is_taken(tmp_path, name):
+    with bringup(tmp_path, *OPTIONS, "bag") as first:
+        first.wait_until_it_runs()
+        by_hand = node(name, first.environment)
+        try:
+            assert by_hand.wait(PATIENCE) == 2
+        finally:
+            by_hand.kill()
+            by_hand.wait()
+        assert first.process.poll() is None, first.complained
 
 
 def test_a_second_robot_under_a_namespace_of_its_own_is_welcome(tmp_path):

@@ -168,7 +168,7 @@ while felt < 150:
 def test_a_person_can_push_the_base(place, leader):
     bag = place / f"pushed_{leader[:4]}"
     # Never faster than real time, and as long as it takes until the two have found each other.
-    options = ("--leader", leader, "--realtime", "--composed", "--bag", str(bag))
+    options = ("--leader", leader, "--duration", "80", "--realtime", "--composed", "--bag", str(bag))
     with bringup(place, *options) as running:
         person = script(PUSH, running.environment)
         try:

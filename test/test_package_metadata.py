@@ -24,15 +24,15 @@ ROSDEP = {
     "scipy": "python3-scipy",
     "setproctitle": "python3-setproctitle",
     "yaml": "python3-yaml",
+    "llvmlite": None,
     "lz4": None,
     "mcap": None,
     "pinocchio": None,
-    "pybullet": None,
     "viser": None,
     "zstandard": None,
 }
 # Import name → requirement in setup.py, where they differ.
-PYPI = {"pinocchio": "pin", "yaml": "pyyaml"}
+PYPI = {"pinocchio": "pin", "yaml": "pyyaml", "llvmlite": "numba"}
 
 
 def imported_modules() -> set[str]:
@@ -96,7 +96,7 @@ def test_setup_requires_every_python_package_that_is_imported(setup):
     required = {line.split(">")[0].split("[")[0] for line in setup["install_requires"]}
     needed = {PYPI.get(name, name) for name in imported_modules() if not is_ros(name)}
     assert needed <= required
-    assert {"ros-jazzy-rclpy", "ros-jazzy-common-interfaces"} <= required
+    assert {"ros-jazzy-rclpy", "ros-jazzy-common-interfaces", "pybullet"} <= required
 
 
 def test_sourced_ros_is_not_hidden_by_wheels(tmp_path):

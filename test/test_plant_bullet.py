@@ -1,5 +1,8 @@
 """What goes to Bullet and comes from it by its C interface is what PyBullet's Python functions do."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from bullet_reference import STEP, Reference
@@ -66,12 +69,29 @@ def test_both_move_the_robot_to_the_same_bits(simulator, reference, height):
 def test_a_closed_server_is_no_crash(simulator):
     bullet, world = simulator.plant.bullet, simulator.plant.world
     simulator.close()
-    bullet.drive(np.zeros(45))
-    bullet.support(np.zeros(1, dtype=np.int32), np.ones((1, 3)), np.zeros((1, 3)))
-    bullet.pull(-1, np.ones(3), np.ones(3), np.zeros(3))
     assert world.link_on_ground(bullet.body) is None
-    for asked in (world.step, bullet.read, world.client.add_ground):
+    for asked in (
+        world.step,
+        bullet.read,
+        world.client.add_ground,
+        lambda: bullet.drive(np.zeros(45)),
+        lambda: bullet.support(np.zeros(1, dtype=np.int32), np.ones((1, 3)), np.zeros((1, 3))),
+        lambda: bullet.pull(-1, np.ones(3), np.ones(3), np.zeros(3)),
+    ):
         with pytest.raises(PhysicsError, match="does not answer"):
+            asked()
+
+
+def test_arrays_of_another_size_are_refused(simulator):
+    bullet, links = simulator.plant.bullet, np.zeros(2, dtype=np.int32)
+    for asked in (
+        lambda: bullet.drive(np.zeros(44)),
+        lambda: bullet.support(links, np.ones((1, 3)), np.ones((2, 3))),
+        lambda: bullet.support(links, np.ones((2, 3)), np.ones((2, 2))),
+        lambda: bullet.pull(0, np.ones(2), np.ones(3), np.ones(3)),
+        lambda: bullet.pull(0, np.ones(3), np.ones(3), np.ones(1)),
+    ):
+        with pytest.raises(PhysicsError, match="wrong size"):
             asked()
 
 
@@ -80,6 +100,8 @@ def test_a_body_that_is_not_there_is_silent(simulator):
     bullet.body += 1
     with pytest.raises(PhysicsError, match="does not answer"):
         bullet.read()
+    with pytest.raises(PhysicsError, match="no body 99"):
+        simulator.plant.world.client.state_sizes(99)
 
 
 def test_servers_do_not_know_each_other():
@@ -92,6 +114,16 @@ def test_servers_do_not_know_each_other():
         world.close()
 
 
+def test_a_step_of_one_world_is_none_of_another():
+    one, other = plant(), plant()
+    before = other.plant.q.tobytes()
+    one.plant.step(np.zeros(45))
+    other.plant.bullet.read()
+    assert other.plant.q.tobytes() == before != one.plant.q.tobytes()
+    one.close()
+    other.close()
+
+
 def test_what_is_no_urdf_is_told():
     world = World(STEP, Ground(GroundConfig()))
     with pytest.raises(ConfigurationError, match="cannot load"):
@@ -99,8 +131,22 @@ def test_what_is_no_urdf_is_told():
     world.close()
 
 
+def test_others_do_not_get_its_copies_of_libraries():
+    """Pinocchio, or ROS, loaded after it would else read XML by PyBullet's tinyxml2."""
+    code = (
+        "import ctypes, follower_humanoid.plant.bullet_kernels\n"
+        "assert not hasattr(ctypes.CDLL(None), 'b3ConnectPhysicsDirect')"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 @pytest.mark.parametrize(
-    ("found", "words"), [(None, "not installed"), ("libm.so.6", "has no b3ConnectPhysicsDirect; valid:")]
+    ("found", "words"),
+    [
+        (None, "not installed"),
+        ("libm.so.6", "has no b3ConnectPhysicsDirect; valid:"),
+        ("/nowhere.so", "no library of PyBullet"),
+    ],
 )
 def test_without_pybullet_or_with_another_one_it_says_so(monkeypatch, found, words):
     spec = None if found is None else type("Spec", (), {"origin": found})

@@ -37,6 +37,21 @@ def test_a_namespace_may_be_long():
     held.close()
 
 
+def test_it_is_held_as_long_as_its_context_lasts():
+    with Claim(7, SPACE, ["a"]), pytest.raises(ConfigurationError):
+        Claim(7, SPACE, ["a"])
+    Claim(7, SPACE, ["a"]).close()
+
+
+def test_what_the_system_forbids_is_not_held_against_anybody(monkeypatch):
+    def forbidden(self, address):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("socket.socket.bind", forbidden)
+    with Claim(7, SPACE, ["a"]), Claim(7, SPACE, ["a"]):
+        pass
+
+
 def test_it_ends_with_its_process_even_if_that_is_killed():
     code = (
         "import time; from follower_humanoid.ros.claim import Claim; "

@@ -2,8 +2,8 @@
 
 A kernel is an ordinary function of numbers and contiguous arrays, compiled by Numba when its module is
 imported and kept on disk for the next time. No fast-math: a result does not depend on where it is computed.
-A kernel calls kernels of its own file only: the copy on disk is renewed when that file changes, and would not
-notice a change elsewhere.
+A kernel calls kernels of its own file only, and functions of C libraries whose types that file says: the copy
+on disk is renewed when the file changes, and would not notice a change elsewhere.
 """
 
 from __future__ import annotations

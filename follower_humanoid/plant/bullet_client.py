@@ -26,7 +26,8 @@ class Joint:
 
     Attributes:
         name, link: Their names.
-        position, rate: Where it stands among Bullet's positions and velocities.
+        position, rate: Where it stands among Bullet's positions, of which the base has seven, and velocities,
+            of which it has six; negative for a fixed joint.
     """
 
     name: str
@@ -51,6 +52,7 @@ class BulletClient:
         self._bullet = library()
         self.handle: int = self._bullet.b3ConnectPhysicsDirect() or 0
         if not self.handle or not self._bullet.b3CanSubmitCommand(self.handle):
+            self.close()
             raise ConfigurationError("no PyBullet server could be started in this process")
 
     def close(self) -> None:
@@ -79,7 +81,10 @@ class BulletClient:
         command = bullet.b3CreateMultiBodyCommandInit(self._server)
         nowhere, unturned = _doubles(0.0, 0.0, 0.0), _doubles(0.0, 0.0, 0.0, 1.0)
         bullet.b3CreateMultiBodyBase(command, 0.0, shape, -1, nowhere, unturned, nowhere, unturned)
-        return int(bullet.b3GetStatusBodyIndex(self._submit(command)))
+        body = int(bullet.b3GetStatusBodyIndex(self._submit(command)))
+        if shape < 0 or body < 0:
+            raise PhysicsError("PyBullet makes no ground")
+        return body
 
     def load(self, path: str, fixed: bool) -> int:
         """Loads a URDF file; returns its body, negative where Bullet cannot read it."""
@@ -156,13 +161,17 @@ class BulletClient:
         self._submit(command)
 
     def state_sizes(self, body: int) -> tuple[int, int, list[float]]:
-        """How many positions and velocities, and the base's inertial frame: centre [m], quaternion."""
+        """How many positions and velocities, and the base's inertial frame in base_link.
+
+        That is the centre of mass [m] and the principal axes' quaternion (x, y, z, w).
+        """
         command = self._bullet.b3RequestActualStateCommandInit(self._server, body)
         status = self._submit(command)
         whose, positions, rates = (ctypes.c_int() for _ in range(3))
         frame, *others = (ctypes.POINTER(ctypes.c_double)() for _ in range(4))
         told = [ctypes.byref(value) for value in (whose, positions, rates, frame, *others)]
-        self._bullet.b3GetStatusActualState(status, *told)
+        if not self._bullet.b3GetStatusActualState(status, *told):
+            raise PhysicsError(f"PyBullet has no body {body}")
         return positions.value, rates.value, frame[:7]
 
     def _submit(self, command: int) -> int:

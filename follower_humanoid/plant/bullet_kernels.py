@@ -1,11 +1,13 @@
-"""What is asked of Bullet in every physics step: each kernel is one or two commands to the server.
+"""What is asked of Bullet in every physics step.
 
-`client` is the handle of a `BulletClient`, 0 once it is closed; a kernel then does nothing and answers so.
+`client` is the handle of a `BulletClient`, 0 once it is closed. A kernel that commands answers whether Bullet
+has taken it: not where the server is closed, or where an array has another size than it must have.
 """
 
 from __future__ import annotations
 
 import math
+from ctypes import c_double, c_int, c_size_t, c_void_p
 from typing import Any
 
 import numpy as np
@@ -25,21 +27,23 @@ _BASE_POSITIONS, _BASE_RATES = 7, 6
 # struct b3ContactPointData: bytes; the second body's link among its ints, the distance among its doubles.
 _CONTACT, _LINK, _DISTANCE = 176, 4, 12
 
-_submit = external("b3SubmitClientCommandAndWaitStatus")
-_step_command = external("b3InitStepSimulationCommand")
-_control_command = external("b3JointControlCommandInit2")
-_set_torque = external("b3JointControlSetDesiredForceTorque")
-_force_command = external("b3ApplyExternalForceCommandInit")
-_add_force = external("b3ApplyExternalForce")
-_add_torque = external("b3ApplyExternalTorque")
-_state_command = external("b3RequestActualStateCommandInit")
-_with_kinematics = external("b3RequestActualStateCommandComputeForwardKinematics")
-_state_of = external("b3GetStatusActualState")
-_contact_command = external("b3InitRequestContactPointInformation")
-_first_body = external("b3SetContactFilterBodyA")
-_second_body = external("b3SetContactFilterBodyB")
-_contacts_of = external("b3GetContactPointInformation")
-_copy = external("memmove")
+_submit = external("b3SubmitClientCommandAndWaitStatus", c_void_p, c_void_p, c_void_p)
+_step_command = external("b3InitStepSimulationCommand", c_void_p, c_void_p)
+_control_command = external("b3JointControlCommandInit2", c_void_p, c_void_p, c_int, c_int)
+_set_torque = external("b3JointControlSetDesiredForceTorque", c_int, c_void_p, c_int, c_double)
+_force_command = external("b3ApplyExternalForceCommandInit", c_void_p, c_void_p)
+_add_force = external("b3ApplyExternalForce", None, c_void_p, c_int, c_int, c_void_p, c_void_p, c_int)
+_add_torque = external("b3ApplyExternalTorque", None, c_void_p, c_int, c_int, c_void_p, c_int)
+_state_command = external("b3RequestActualStateCommandInit", c_void_p, c_void_p, c_int)
+_with_kinematics = external(
+    "b3RequestActualStateCommandComputeForwardKinematics", c_int, c_void_p, c_int
+)
+_state_of = external("b3GetStatusActualState", c_int, c_void_p, *7 * (c_void_p,))
+_contact_command = external("b3InitRequestContactPointInformation", c_void_p, c_void_p)
+_first_body = external("b3SetContactFilterBodyA", None, c_void_p, c_int)
+_second_body = external("b3SetContactFilterBodyB", None, c_void_p, c_int)
+_contacts_of = external("b3GetContactPointInformation", None, c_void_p, c_void_p)
+_copy = external("memmove", c_void_p, c_void_p, c_void_p, c_size_t)
 
 
 @kernel("boolean(int64)")
@@ -57,7 +61,7 @@ def drive(client: int, body: int, rates: Ints, torque: Array) -> bool:
         rates: Where the driven joints stand among Bullet's velocities, shape (n,).
         torque: Shape (n,) [N·m].
     """
-    if client == 0:
+    if client == 0 or torque.size != rates.size:
         return False
     command = _control_command(client, body, TORQUE_CONTROL)
     for n in range(rates.size):
@@ -74,16 +78,17 @@ def support(client: int, body: int, links: Ints, forces: Array, places: Array) -
         links: Shape (n,); −1 is the base.
         forces, places: In world, shape (n, 3) [N, m].
     """
-    if client == 0:
+    if client == 0 or forces.shape != (links.size, 3) or places.shape != (links.size, 3):
         return False
+    taken = True
     force, place, row = forces.ctypes.data, places.ctypes.data, 3 * forces.itemsize
     for n in range(links.size):
         if forces[n, 2] > 0.0:
             # Of several forces in one command Bullet 3.2.7 mixes up the components.
             command = _force_command(client)
             _add_force(command, body, links[n], force + n * row, place + n * row, WORLD_FRAME)
-            _submit(client, command)
-    return True
+            taken &= _submit(client, command) != 0
+    return bool(taken)
 
 
 @kernel("boolean(int64, int32, int32, float64[::1], float64[::1], float64[::1])")
@@ -95,16 +100,16 @@ def pull(client: int, body: int, link: int, force: Array, torque: Array, place: 
         force, torque: In world, shape (3,) [N, N·m].
         place: Where the force acts, in world, shape (3,) [m].
     """
-    if client == 0:
+    if client == 0 or force.size != 3 or torque.size != 3 or place.size != 3:
         return False
     command = _force_command(client)
     _add_force(command, body, link, force.ctypes.data, place.ctypes.data, WORLD_FRAME)
-    _submit(client, command)
+    taken = _submit(client, command) != 0
     if torque[0] != 0.0 or torque[1] != 0.0 or torque[2] != 0.0:
         command = _force_command(client)
         _add_torque(command, body, link, torque.ctypes.data, WORLD_FRAME)
-        _submit(client, command)
-    return True
+        taken &= _submit(client, command) != 0
+    return bool(taken)
 
 
 @kernel("int64(int64, int32, int32)")

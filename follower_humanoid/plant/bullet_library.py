@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 from collections.abc import Callable
-from ctypes import c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import c_char_p, c_double, c_int, c_void_p
 from functools import lru_cache
 from typing import Any
 
@@ -25,6 +25,7 @@ _NUMBA = {None: numba.void, c_int: numba.int32, c_double: numba.float64}
 _ADDRESS = numba.int64
 # Arrays of double, structures, and the handles of client, command and status go by their address.
 _Types = tuple[Any, tuple[Any, ...]]
+# What a `BulletClient` calls.
 FUNCTIONS: dict[str, _Types] = {
     "b3ConnectPhysicsDirect": (c_void_p, ()),
     "b3DisconnectSharedMemory": (None, (c_void_p,)),
@@ -38,7 +39,6 @@ FUNCTIONS: dict[str, _Types] = {
     "b3PhysicsParamSetNumSubSteps": (c_int, (c_void_p, c_int)),
     "b3PhysicsParameterSetDeterministicOverlappingPairs": (c_int, (c_void_p, c_int)),
     "b3PhysicsParamSetEnableFileCaching": (c_int, (c_void_p, c_int)),
-    "b3InitStepSimulationCommand": (c_void_p, (c_void_p,)),
     # Bodies.
     "b3CreateCollisionShapeCommandInit": (c_void_p, (c_void_p,)),
     "b3CreateCollisionShapeAddPlane": (c_int, (c_void_p, c_void_p, c_double)),
@@ -69,28 +69,17 @@ FUNCTIONS: dict[str, _Types] = {
     "b3CreatePoseCommandSetJointPosition": (c_int, (c_void_p, c_void_p, c_int, c_double)),
     "b3CreatePoseCommandSetJointVelocity": (c_int, (c_void_p, c_void_p, c_int, c_double)),
     "b3RequestActualStateCommandInit": (c_void_p, (c_void_p, c_int)),
-    "b3RequestActualStateCommandComputeForwardKinematics": (c_int, (c_void_p, c_int)),
     "b3GetStatusActualState": (c_int, (c_void_p, *7 * (c_void_p,))),
-    "b3InitRequestContactPointInformation": (c_void_p, (c_void_p,)),
-    "b3SetContactFilterBodyA": (None, (c_void_p, c_int)),
-    "b3SetContactFilterBodyB": (None, (c_void_p, c_int)),
-    "b3GetContactPointInformation": (None, (c_void_p, c_void_p)),
-    # Forces.
+    # Motors.
     "b3JointControlCommandInit2": (c_void_p, (c_void_p, c_int, c_int)),
     "b3JointControlSetDesiredVelocity": (c_int, (c_void_p, c_int, c_double)),
     "b3JointControlSetMaximumForce": (c_int, (c_void_p, c_int, c_double)),
-    "b3JointControlSetDesiredForceTorque": (c_int, (c_void_p, c_int, c_double)),
-    "b3ApplyExternalForceCommandInit": (c_void_p, (c_void_p,)),
-    "b3ApplyExternalForce": (None, (c_void_p, c_int, c_int, c_void_p, c_void_p, c_int)),
-    "b3ApplyExternalTorque": (None, (c_void_p, c_int, c_int, c_void_p, c_int)),
-    # Not Bullet's: copies out of its memory.
-    "memmove": (c_void_p, (c_void_p, c_void_p, c_size_t)),
 }
 
 
 @lru_cache(maxsize=1)
-def library() -> ctypes.CDLL:
-    """PyBullet's library with the types of all `FUNCTIONS`, open to compiled kernels too.
+def library() -> ctypes.PyDLL:
+    """PyBullet's library, with the types of all `FUNCTIONS`.
 
     Raises:
         ConfigurationError: PyBullet is not there, or is another one.
@@ -98,22 +87,38 @@ def library() -> ctypes.CDLL:
     spec = importlib.util.find_spec("pybullet")
     if spec is None or spec.origin is None:
         raise ConfigurationError("PyBullet is not installed; valid: pip install 'pybullet>=3.2.7'")
-    found = ctypes.CDLL(spec.origin)
+    try:
+        found = ctypes.PyDLL(spec.origin)
+    except OSError as error:
+        raise ConfigurationError(f"{spec.origin} is no library of PyBullet: {error}") from None
     for name, (result, arguments) in FUNCTIONS.items():
-        if not hasattr(found, name):
-            raise ConfigurationError(f"{spec.origin} has no {name}; valid: PyBullet 3.2.7 or later")
-        function = getattr(found, name)
-        function.restype, function.argtypes = result, arguments
-    llvmlite.binding.load_library_permanently(spec.origin)
+        _declare(found, name, result, arguments)
     return found
 
 
-def external(name: str) -> Callable[..., Any]:
-    """One of the `FUNCTIONS`, to be called from a kernel; where kernels are plain Python, from there."""
-    function = getattr(library(), name)
-    result, arguments = FUNCTIONS[name]
+def external(name: str, result: Any, *arguments: Any) -> Callable[..., Any]:
+    """A function of Bullet or of C, to be called from a kernel; where kernels are plain Python, from there.
+
+    Its types belong beside the kernels: their copies on disk would not notice a change here.
+
+    Args:
+        name: Of the function.
+        result, arguments: Types, as in `FUNCTIONS`.
+    """
+    function = _declare(library(), name, result, arguments)
     if getattr(config, "DISABLE_JIT"):  # noqa: B009
         return lambda *values: function(*(v.item() if isinstance(v, np.generic) else v for v in values)) or 0
+    # Each by its name: opened to the process as a whole, the library would lend others its own copies of
+    # tinyxml2 and of parts of the C++ library.
+    llvmlite.binding.add_symbol(name, ctypes.cast(function, c_void_p).value)
     signature = _NUMBA.get(result, _ADDRESS)(*[_NUMBA.get(kind, _ADDRESS) for kind in arguments])
     called: Callable[..., Any] = numba.types.ExternalFunction(name, signature)
     return called
+
+
+def _declare(found: ctypes.PyDLL, name: str, result: Any, arguments: tuple[Any, ...]) -> Any:
+    if not hasattr(found, name):
+        raise ConfigurationError(f"{found._name} has no {name}; valid: PyBullet 3.2.7 or later")
+    function = getattr(found, name)
+    function.restype, function.argtypes = result, arguments
+    return function

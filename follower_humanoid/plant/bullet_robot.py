@@ -50,6 +50,7 @@ class BulletRobot:
         joints = client.joints(self.body)
         names = [joint.name for joint in joints]
         self._joints = [names.index(name) for name in joint_names]
+        self._all_driven = driven is None
         self._rows: Indices = np.arange(len(joint_names)) if driven is None else driven
         self.link_names = {BASE: "base_link"} | {n: joint.link for n, joint in enumerate(joints)}
         for link in self.link_names:
@@ -99,15 +100,14 @@ class BulletRobot:
         """Renews q, v, rotation and base velocity from PyBullet.
 
         Raises:
-            PhysicsError: There is no server any more.
+            PhysicsError: There is no server any more, or no such body.
         """
         self.rotation, self.base_twist = np.empty((3, 3)), np.empty((2, 3))
         found = bullet_kernels.renew(
             self._client.handle, self.body, self._places, self._answer, self._positions, self._rates,
             self.center_in_base, self._to_base, self.q, self.v, self.rotation, self.base_twist,
         )  # fmt: skip
-        if found == bullet_kernels.SILENT:
-            raise PhysicsError("the PyBullet server does not answer")
+        _expect(found != bullet_kernels.SILENT)
         self.reads += 1
         self.finite = found == bullet_kernels.FINITE
 
@@ -117,12 +117,12 @@ class BulletRobot:
 
     def drive(self, torque: Array) -> None:
         """Joint torques of the next step, shape (45,) [N·m]."""
-        moving = torque if self._driven.size == torque.size else torque[self._rows]
-        bullet_kernels.drive(self._client.handle, self.body, self._driven, moving)
+        moving = torque if self._all_driven else torque[self._rows]
+        _expect(bullet_kernels.drive(self._client.handle, self.body, self._driven, moving))
 
     def pull(self, link: int, force: Array, torque: Array, place: Array) -> None:
         """A wrench [N, N·m] during the next step on one of PyBullet's links, at a place [m], in world."""
-        bullet_kernels.pull(self._client.handle, self.body, link, force, torque, place)
+        _expect(bullet_kernels.pull(self._client.handle, self.body, link, force, torque, place))
 
     def support(self, links: bullet_kernels.Ints, forces: Array, places: Array) -> None:
         """What the ground does during the next step: upward forces [N] on links, at places [m], in world.
@@ -131,8 +131,14 @@ class BulletRobot:
             links: PyBullet's, shape (n,), int32.
             forces, places: Shape (n, 3); forces that point down are none.
         """
-        bullet_kernels.support(self._client.handle, self.body, links, forces, places)
+        _expect(bullet_kernels.support(self._client.handle, self.body, links, forces, places))
 
     def link(self, joint: int) -> int:
         """PyBullet's link behind a joint of Pinocchio."""
         return -1 if joint < FIRST_ACTUATED else self._joints[joint - FIRST_ACTUATED]
+
+
+def _expect(taken: bool) -> None:
+    """Raises `PhysicsError` where Bullet has not taken a command."""
+    if not taken:
+        raise PhysicsError("the PyBullet server does not answer, or an array has a wrong size")

@@ -48,7 +48,6 @@ class BringupRun:
         self._parameter_file = self._folder / "parameters.yaml"
         self._crew = Crew({})
         self._director: Director
-        self._claim: Claim  # held from before the first node runs until the last one has ended
         self._active_since = math.inf  # from then on a sign of life is due
 
     def run(self) -> int:
@@ -59,14 +58,23 @@ class BringupRun:
             import_components()
             self._fork_nodes([*arguments, "--params-file", str(self._parameter_file)])
             start_ros(arguments)
-            self._director = Director()
-            return self._start_and_watch(arguments)
+            self._director = director = Director()
+            with Claim(director.domain, director.namespace, self._claimed):
+                try:
+                    return self._start_and_watch(arguments)
+                finally:
+                    self._crew.kill()
         finally:
             self._crew.kill()
             if ok():
                 self._director.close()
             try_shutdown()
             shutil.rmtree(self._folder, ignore_errors=True)
+
+    @property
+    def _claimed(self) -> list[str]:
+        """Whose names nobody else may have."""
+        return [*self._plan.nodes, *([RECORDER] if self._plan.options.bag else [])]
 
     def _ros_arguments(self) -> list[str]:
         namespace = self._plan.options.namespace
@@ -75,7 +83,6 @@ class BringupRun:
 
     def _start_and_watch(self, arguments: list[str]) -> int:
         plan, director = self._plan, self._director
-        self._claim = Claim(_domain(), director.namespace, plan.nodes)
         director.spin(_LOOK_AROUND)
         self._refuse_company(0)
         if plan.options.bag:
@@ -152,9 +159,9 @@ class BringupRun:
         Raises:
             ConfigurationError: There are more.
         """
-        found = self._director.more_than(own, self._plan.nodes)
+        found = self._director.more_than(own, self._claimed)
         if found:
-            raise already_runs(_domain(), self._director.namespace, found)
+            raise already_runs(self._director.domain, self._director.namespace, found)
 
     def _end(self, end: End) -> int:
         """Ends everyone, sums up, and says what the run came to."""
@@ -195,8 +202,3 @@ class BringupRun:
     def _say(self, text: str) -> None:
         self._line.end()
         print(text, file=sys.stderr, flush=True)
-
-
-def _domain() -> int:
-    """The ROS domain; rclpy has refused what is none."""
-    return int(os.environ.get("ROS_DOMAIN_ID") or 0)

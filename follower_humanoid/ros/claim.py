@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import socket
 from collections.abc import Sequence
+from types import TracebackType
 
 from follower_humanoid.errors import ConfigurationError
 
 
 class Claim:
-    """Holds the names of nodes in a ROS domain until it is closed, or its process is gone.
+    """Holds names of nodes in a ROS domain, as a context.
 
     A name is an abstract Unix socket: no file is left behind, it is gone with the process however that ends,
-    and it reaches as far as the loopback network over which robots of one machine would meet. Without such
-    sockets nothing is claimed.
+    and it reaches as far as the loopback network over which robots of one machine would meet. A name that the
+    system does not give to anybody is not held: then discovery alone finds who is there.
     """
 
     def __init__(self, domain: int, namespace: str, nodes: Sequence[str]) -> None:
-        """Claims all names or none, in the given order: of two who begin together one gets them.
+        """Claims the names in the given order: of two who begin together one gets them.
 
         Args:
             domain: ROS domain.
@@ -26,27 +28,34 @@ class Claim:
             nodes: Names of nodes.
 
         Raises:
-            ConfigurationError: Somebody else holds one.
+            ConfigurationError: Somebody else holds one; then none is held.
         """
         self._held: list[socket.socket] = []
-        if not hasattr(socket, "AF_UNIX"):
-            return
         for node in nodes:
-            holder = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-            self._held.append(holder)
             try:
-                holder.bind(_address(domain, namespace, node))
-            except FileNotFoundError:  # abstract names are Linux's own
-                self.close()
-                return
-            except OSError:
-                self.close()
-                raise already_runs(domain, namespace, [node]) from None
+                self._hold(_address(domain, namespace, node))
+            except OSError as error:
+                if error.errno == errno.EADDRINUSE:
+                    self.close()
+                    raise already_runs(domain, namespace, [node]) from None
+
+    def _hold(self, address: bytes) -> None:
+        holder = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self._held.append(holder)
+        holder.bind(address)
 
     def close(self) -> None:
         """Gives the names back."""
         while self._held:
             self._held.pop().close()
+
+    def __enter__(self) -> Claim:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
 
 
 def already_runs(domain: int, namespace: str, nodes: Sequence[str]) -> ConfigurationError:

@@ -92,6 +92,11 @@ class Director:
         self._requests: list[_Request] = []
 
     @property
+    def domain(self) -> int:
+        """ROS domain, as rcl reads it from the environment."""
+        return int(self.node.context.get_domain_id())
+
+    @property
     def namespace(self) -> str:
         """Namespace of the graph, without a leading slash."""
         return self._namespace.strip("/")

@@ -52,7 +52,7 @@ def unpack(data: Bytes, template: Bytes, fixed: Spans, runs: Spans, numbers: Arr
     for n in range(runs.shape[0]):
         first, count = np.uint64(runs[n, 0]), np.uint64(runs[n, 1])
         for at in range(count):
-            target[end + at] = data[first + at]
+            target[end + np.uint64(at)] = data[first + np.uint64(at)]
         end += count
     nothing = 0.0
     for number in numbers:

@@ -39,7 +39,10 @@ class ManagedNode(LifecycleNode):
         exit_status: None while the node runs; the process ends once it is set.
         exit_reason: One line with the reason.
         when_over: Called once the status is set.
+        only_one: False where several of the same name get along in one graph.
     """
+
+    only_one = True
 
     def __init__(self, name: str, **options: Any) -> None:
         """Declares the shared parameters.

@@ -24,6 +24,7 @@ from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.bus import Bus
+from follower_humanoid.ros.claim import Claim
 from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, REST, ManagedNode
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.transport import asked_to_be_open, choose_network
@@ -88,8 +89,8 @@ def run(
         bus: What connects the nodes.
 
     Returns:
-        Exit status: 0 after a signal or a regular end, 2 for an unusable parameter, else the
-        status of the node that ended first.
+        Exit status: 0 after a signal or a regular end, 2 for an unusable parameter or a name that is taken,
+        else the status of the node that ended first.
     """
     die_with_parent()
     _let_others_finish()
@@ -100,7 +101,8 @@ def run(
         for make in makers:
             nodes.append(make())
             nodes[-1].when_over = stop.end
-        return _spin(nodes, stop, bus)
+        with _claim(nodes):
+            return _spin(nodes, stop, bus)
     except ConfigurationError as error:
         print(error, file=sys.stderr)
         return BAD_CONFIGURATION
@@ -108,6 +110,13 @@ def run(
         for node in nodes:
             cast(Any, node).destroy_node()
         try_shutdown()
+
+
+def _claim(nodes: list[ManagedNode]) -> Claim:
+    """The nodes' names, unless a bringup has claimed them."""
+    node = cast(Any, nodes[0])
+    mine = [] if PARENT in os.environ else [cast(Any, n).get_name() for n in nodes if n.only_one]
+    return Claim(node.context.get_domain_id(), node.get_namespace().strip("/"), mine)
 
 
 def start_ros(args: list[str] | None) -> None:

@@ -37,6 +37,7 @@ _MISSING = 3.0  # wall time without diagnostics after which a node counts as mis
 class ViewerNode(ManagedNode):
     """Looks at the graph some thirty times a second, while somebody looks at the page."""
 
+    only_one = False
     _newest: Newest | None = None
 
     def __init__(self, **options: Any) -> None:
