@@ -270,9 +270,12 @@ print(asked.result().message)
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
 def test_a_reset_begins_everything_anew_while_time_goes_on(place, placement):
     bag = place / f"reset{len(placement)}"
-    # Long enough, and never faster than real time, so that the run still goes on when the asker has started.
+    # Long enough, and never faster than real time, so that the run still goes on when the asker has started;
+    # but it waits for whom a busy machine holds up, else the two halves would differ by a missed command.
+    patient = place / "patient.yaml"
+    patient.write_text("simulator: {ros__parameters: {hold_after: 10.0}}\n")
     options = ("--leader", "none", "--duration", "5", "--realtime", "--bag", str(bag))
-    with bringup(place, *options, *placement) as running:
+    with bringup(place, *options, "--params", str(patient), *placement) as running:
         running.wait_until_it_runs()
         assert script(RESET, running.environment).wait(PATIENCE) == 0
         assert running.wait() == 0, running.complained
