@@ -40,9 +40,11 @@ class ManagedNode(LifecycleNode):
         exit_reason: One line with the reason.
         when_over: Called once the status is set.
         only_one: False where several of the same name get along in one graph.
+        hears_people: Whether messages come from outside the graph, and soon have to be heard.
     """
 
     only_one = True
+    hears_people = False
 
     def __init__(self, name: str, **options: Any) -> None:
         """Declares the shared parameters.

@@ -37,6 +37,8 @@ _PACE = 0.0005  # wall time between two looks at the clock when paced [s]
 class SimulatorNode(LockStepNode):
     """Keeps simulated time; everyone else follows its stamps."""
 
+    hears_people = True
+
     def __init__(self, **options: Any) -> None:
         """Declares the plant's and the run's parameters."""
         super().__init__(node_wiring(SIMULATOR), **options)

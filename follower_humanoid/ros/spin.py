@@ -31,7 +31,8 @@ from follower_humanoid.ros.transport import asked_to_be_open, choose_network
 
 PARENT = "FOLLOWER_HUMANOID_PARENT"
 _PR_SET_PDEATHSIG = 1
-_TURN = 0.02  # wall time for which the nodes' steps keep the executor waiting [s]
+_TURN = 0.02  # wall time for which steps keep the executor waiting where people's messages come to it [s]
+_LONG_TURN = 0.05  # the same where only services and timers do: a turn costs as much as half a step [s]
 _LAST_WORD = 0.1  # s
 _DISMISSAL = 1.5  # s
 _LONGEST_WIND_DOWN = 0.5  # s
@@ -182,7 +183,7 @@ def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
 
 def _attend(executor: Any, node: ManagedNode, stop: StopSignal) -> None:
     """Turns between the messages that the node fetches itself and all else."""
-    until = time.monotonic() + _TURN
+    until = time.monotonic() + (_TURN if node.hears_people else _LONG_TURN)
     attended = False
     while (left := until - time.monotonic()) > 0.0 and not stop.over and node.attend(left):
         attended = True
