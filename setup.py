@@ -26,7 +26,7 @@ PYTHON_REQUIREMENTS = [
     "pyyaml",
     "scipy",
     "setproctitle",
-    "viser>=1.1",
+    "viser>=1.1,<1.2",  # what `viewer/telling.py` relies on is not documented
     "zstandard",
 ]
 ROS_REQUIREMENTS = [

@@ -11,7 +11,8 @@ from follower_humanoid.core.samples import Footstep, Footsteps, Polygon, Side, W
 from follower_humanoid.pictures.palette import HAND_FORCE_SCALE
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.markers import Markers
-from follower_humanoid.viewer.meshes import ball, carried, copies
+from follower_humanoid.viewer.carried import VISIBLE, carry
+from follower_humanoid.viewer.meshes import ball, copies
 from follower_humanoid.viewer.moment import Moment, TrailKeeper
 from follower_humanoid.viewer.skeleton import Skeleton
 from follower_humanoid.viewer.speedometer import Speedometer
@@ -107,21 +108,45 @@ def test_faces_of_the_ball_look_outward():
     assert (np.sum(np.cross(b - a, c - a) * (a + b + c), axis=1) > 0.0).all()
 
 
+def table(poses):
+    return np.array([[*pose.rotation.T, pose.translation] for pose in poses])
+
+
+def told(count):
+    return np.zeros((count, 3), np.float32), np.zeros((count, 4), np.float32)
+
+
 def test_poses_are_carried_like_matrices_are_multiplied():
     pin.seed(7)
     frames = [pin.SE3.Random() for _ in range(5)]
-    local = [pin.SE3.Random() for _ in range(5)]
+    within = [pin.SE3.Random() for _ in range(40)]
+    rows = np.arange(40) % 5
+    positions, wxyz = told(40)
+    assert carry(table(frames), rows, table(within), positions, wxyz)
+    for n, pose in enumerate(within):
+        together = frames[rows[n]] * pose
+        np.testing.assert_allclose(positions[n], together.translation, atol=1e-6)
+        turned = pin.Quaternion(*wxyz[n].astype(float)).toRotationMatrix()
+        np.testing.assert_allclose(turned, together.rotation, atol=1e-6)
 
-    def parts(poses):
-        rows = np.array([pin.SE3ToXYZQUAT(pose) for pose in poses])
-        return rows[:, :3], rows[:, [6, 3, 4, 5]]
 
-    positions, wxyz = carried(*parts(frames), *parts(local))
-    for row, (frame, pose) in enumerate(zip(frames, local, strict=True)):
-        together = frame * pose
-        np.testing.assert_allclose(positions[row], together.translation, atol=1e-9)
-        turned = pin.Quaternion(*wxyz[row]).toRotationMatrix()
-        np.testing.assert_allclose(turned, together.rotation, atol=1e-9)
+@pytest.mark.parametrize("axis", np.eye(3))
+def test_half_turns_are_carried_too(axis):
+    half = pin.SE3(pin.exp3(np.pi * axis), np.zeros(3))
+    positions, wxyz = told(1)
+    assert carry(table([half]), np.array([0]), table([pin.SE3.Identity()]), positions, wxyz)
+    np.testing.assert_allclose(np.abs(wxyz[0]), [0.0, *axis], atol=1e-6)
+
+
+def test_what_creeps_is_never_told_farther_from_where_it_is_than_can_be_seen():
+    pin.seed(3)
+    within, rows, (positions, wxyz) = table([pin.SE3.Random()]), np.array([0]), told(1)
+    told_at = []
+    for step in range(100):
+        place = pin.SE3(np.eye(3), np.array([0.3e-4 * step, 0.0, 0.0]))
+        told_at += [step] if carry(table([place]), rows, within, positions, wxyz) else []
+        assert abs(positions[0, 0] - within[0, 3, 0] - place.translation[0]) <= 1.01 * VISIBLE
+    assert 20 < len(told_at) < 40
 
 
 def test_the_trail_remembers_each_footprint_once(moment):

@@ -18,3 +18,9 @@ PUSH_SCALE = 0.01
 """Length of an arrow that shows what pushes the pelvis [m/N]."""
 FOOT_FORCE_SCALE = 0.0007
 """Length of an arrow that shows what the ground does to a foot [m/N]."""
+
+
+def rgb(color: str) -> tuple[int, int, int]:
+    """`#RRGGBB` as three numbers, 0…255."""
+    red, green, blue = (int(color[at : at + 2], 16) for at in (1, 3, 5))
+    return red, green, blue

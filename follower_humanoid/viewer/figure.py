@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import viser
 
-from follower_humanoid.viewer.meshes import BELOW_KNEE, Copies, carried, copies
+from follower_humanoid.viewer.carried import carry
+from follower_humanoid.viewer.meshes import BELOW_KNEE, Copies, copies
 from follower_humanoid.viewer.skeleton import Skeleton
+from follower_humanoid.viewer.telling import tell
 
 _GLASS = 0.5  # opacity of what is seen through
 
@@ -20,23 +22,20 @@ class Figure:
         """Puts the robot there. Args: scene, name of its node there, and posture."""
         self._skeleton = skeleton
         kinds = copies(skeleton.urdf)
-        self._links = tuple(dict.fromkeys(link for kind in kinds.values() for link in kind.links))
-        row = {link: number for number, link in enumerate(self._links)}
-        self._rows = [row[link] for kind in kinds.values() for link in kind.links]
-        self._positions = np.vstack([kind.positions for kind in kinds.values()])
-        self._rotations = np.vstack([kind.rotations for kind in kinds.values()])
-        self._ends = np.cumsum([len(kind.links) for kind in kinds.values()])[:-1]
         self._handles = {name: self._add(scene, f"{path}/{name}", kind) for name, kind in kinds.items()}
+        self._kinds = [
+            (handle, np.array([skeleton.index(link) for link in kind.links]), kind.poses)
+            for handle, kind in zip(self._handles.values(), kinds.values(), strict=True)
+        ]
         self.move()
 
     def move(self) -> None:
         """Takes the posture of the skeleton."""
-        poses = [self._skeleton.pose_wxyz(link) for link in self._links]
-        positions, wxyz = (np.array([pose[part] for pose in poses]) for part in (0, 1))
-        places = carried(positions[self._rows], wxyz[self._rows], self._positions, self._rotations)
-        parts = (np.split(place.astype(np.float32), self._ends) for place in places)
-        for handle, xyz, quats in zip(self._handles.values(), *parts, strict=True):
-            handle.batched_positions, handle.batched_wxyzs = xyz, quats
+        frames = self._skeleton.frames
+        for handle, rows, poses in self._kinds:
+            # The handle's own arrays are what pages were told last.
+            if carry(frames, rows, poses, handle.batched_positions, handle.batched_wxyzs):
+                tell(handle, "batched_positions", "batched_wxyzs")
 
     def show_through(self, glass: bool) -> None:
         """Whether lower legs and feet are of glass, so that what they hide is seen."""
@@ -49,8 +48,8 @@ class Figure:
         return scene.add_batched_meshes_simple(
             path,
             *kind.mesh,
-            batched_wxyzs=kind.rotations,
-            batched_positions=kind.positions,
+            batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (len(kind.links), 1)),
+            batched_positions=np.zeros((len(kind.links), 3)),
             batched_scales=kind.scales,
             batched_colors=kind.colors,
             lod="off",

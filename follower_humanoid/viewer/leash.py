@@ -10,9 +10,10 @@ import numpy as np
 import viser
 
 from follower_humanoid.core.samples import SIDES, Array, Side
-from follower_humanoid.pictures.palette import FORCE, SIDE_COLORS
+from follower_humanoid.pictures.palette import FORCE, SIDE_COLORS, rgb
 from follower_humanoid.viewer.hands import Hands, level_target
-from follower_humanoid.viewer.stage import Stage, rgb
+from follower_humanoid.viewer.stage import Stage
+from follower_humanoid.viewer.telling import Place, tell_moved
 
 _RADIUS = 0.055  # m
 
@@ -23,7 +24,7 @@ class Leashes:
     def __init__(self, server: viser.ViserServer, stage: Stage, hands: Hands) -> None:
         """Puts the handles there."""
         self._server, self._stage, self._hands = server, stage, hands
-        self._balls = {side: self._add_ball(side) for side in SIDES}
+        self._balls = {side: Place(self._add_ball(side)) for side in SIDES}
         self._lines = {side: self._add_line(side) for side in SIDES}
         self._targets: dict[Side, Array] = {}
         self._level = dict.fromkeys(SIDES, True)
@@ -32,13 +33,13 @@ class Leashes:
         """Moves the handles with the hands."""
         for side, ball in self._balls.items():
             grip = self._stage.skeleton.position(f"{side.prefix}_gripper")
-            ball.position = grip
+            ball.move(*grip.tolist())
             held = self._hands.held(side) and side in self._targets
             self._lines[side].visible = held
             if held:
                 target = self._targets[side] - self._stage.offset
                 target[2] = grip[2] if self._level[side] else target[2]
-                self._lines[side].points = np.array([[grip, target]], dtype=np.float32)
+                tell_moved(self._lines[side], "points", np.array([[grip, target]], dtype=np.float32))
 
     def _add_ball(self, side: Side) -> Any:
         ball = self._server.scene.add_icosphere(

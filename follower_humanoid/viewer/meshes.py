@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from follower_humanoid.core.samples import Array
@@ -28,16 +27,14 @@ class Copies:
     Attributes:
         mesh: What is copied, with edges or a diameter and length of 1.
         links: Link of each copy.
-        positions: In the link frame, shape (n, 3) [m].
-        rotations: Copy to link as quaternions (w, x, y, z), shape (n, 4).
+        poses: In the link frame: axes x, y, z, then the origin [m], shape (n, 4, 3).
         scales: Along the axes of the copy, shape (n, 3) [m].
         colors: Red, green, blue, proportional to light, 0…255, shape (n, 3).
     """
 
     mesh: Mesh
     links: tuple[str, ...]
-    positions: Array
-    rotations: Array
+    poses: Array
     scales: Array
     colors: NDArray[np.uint8]
 
@@ -65,12 +62,10 @@ def _copies(shapes: list[Shape]) -> Copies:
         points = np.column_stack((0.5 * points[:, :2], upright))
     else:
         points = 0.5 * points
-    quats = np.array([pin.Quaternion(shape.rotation).coeffs() for shape in shapes])
     return Copies(
         mesh=(points, faces),
         links=tuple(shape.link for shape in shapes),
-        positions=np.array([shape.position for shape in shapes]),
-        rotations=quats[:, [3, 0, 1, 2]],
+        poses=np.array([[*np.asarray(shape.rotation).T, shape.position] for shape in shapes]),
         scales=np.array([_edges(shape) for shape in shapes]),
         colors=light(np.array([shape.color for shape in shapes])),
     )
@@ -88,20 +83,6 @@ def _edges(shape: Shape) -> tuple[float, float, float]:
     if shape.kind == "cylinder":
         return 2 * first, 2 * first, second
     return (2 * first, 2 * first, 2 * first) if shape.kind == "sphere" else shape.size
-
-
-def carried(positions: Array, wxyz: Array, local_positions: Array, local_wxyz: Array) -> tuple[Array, Array]:
-    """Poses within frames, carried into world: positions and quaternions, shapes (n, 3) and (n, 4).
-
-    Args:
-        positions, wxyz: The frames in world, shapes (n, 3) [m] and (n, 4).
-        local_positions, local_wxyz: The poses within them.
-    """
-    w, v = wxyz[:, :1], wxyz[:, 1:]
-    turned = local_positions + 2.0 * np.cross(v, np.cross(v, local_positions) + w * local_positions)
-    lw, lv = local_wxyz[:, :1], local_wxyz[:, 1:]
-    real = w * lw - np.sum(v * lv, axis=1, keepdims=True)
-    return positions + turned, np.hstack((real, w * lv + lw * v + np.cross(v, lv)))
 
 
 def disc(radius: float, corners: int = 24) -> Mesh:

@@ -24,6 +24,7 @@ from follower_humanoid.viewer.panel import LeadPanel, ViewPanel
 from follower_humanoid.viewer.plots import Past, Plots
 from follower_humanoid.viewer.skeleton import Skeleton
 from follower_humanoid.viewer.stage import Stage, place_camera, suit_camera
+from follower_humanoid.viewer.telling import at_once
 from follower_humanoid.viewer.words import BAD, GOOD, WAITING, figures, state_words
 
 _WORDS_EVERY = 0.25  # wall time between two looks at the words [s]
@@ -116,9 +117,12 @@ class Page:
 
     def show(self, moment: Moment, trail: Trail, past: Past | None = None) -> None:
         """Draws a moment; `past` is what was there before, where that is known."""
-        with self._server.atomic():
+        with at_once(self._server):
             self._stage.show_through(self._view.glass)
-            self._stage.draw(moment, trail, self._view.follow)
+            self._stage.draw_robot(moment, self._view.follow)
+            self._stage.draw_points(moment)
+            self._stage.draw_forces(moment)
+            self._stage.draw_footprints(moment, trail)
             if self._leashes is not None:
                 self._leashes.draw()
         self._plots.add(moment, past)

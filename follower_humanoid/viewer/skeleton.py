@@ -10,6 +10,7 @@ import pinocchio as pin
 from follower_humanoid.core.samples import Array, Joints, Odometry, Side
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.resources import share_path
+from follower_humanoid.robot.pose_table import pose_table
 
 _AROUND = (1, 3, 5, 6, 4, 2)  # contact points along the one edge of a sole and back along the other
 
@@ -20,6 +21,7 @@ class Skeleton:
     Attributes:
         urdf: Text of the model.
         joint_names: Order of the joints in a posture.
+        frames: All frames in world, shape (n, 4, 3): of each the axes x, y, z, then the origin [m].
     """
 
     def __init__(self, urdf: str = "", joint_names: Sequence[str] = ()) -> None:
@@ -43,6 +45,7 @@ class Skeleton:
             raise ConfigurationError("the URDF does not have the joints of the robot that is shown")
         self._columns = [self.joint_names.index(name) for name in own]
         self._data = self._model.createData()
+        self.frames = pose_table(self._data.oMf)
         self._ids = {frame.name: number for number, frame in enumerate(self._model.frames)}
         self.standing()
 
@@ -62,14 +65,14 @@ class Skeleton:
         """Placement of a frame of the URDF in world."""
         return self._data.oMf[self._ids[frame]]
 
+    def index(self, frame: str) -> int:
+        """Row of a frame of the URDF in `frames`."""
+        return self._ids[frame]
+
     def position(self, frame: str) -> Array:
         """Origin of a frame in world, shape (3,) [m]."""
-        return np.array(self.pose(frame).translation)
-
-    def pose_wxyz(self, frame: str) -> tuple[Array, Array]:
-        """Position in world, shape (3,) [m], and quaternion (w, x, y, z) of a frame."""
-        xyz_xyzw = pin.SE3ToXYZQUAT(self.pose(frame))
-        return xyz_xyzw[:3], xyz_xyzw[[6, 3, 4, 5]]
+        origin: Array = self.frames[self._ids[frame], 3].copy()
+        return origin
 
     def sole_outline(self, side: Side) -> Array:
         """Corners of a sole in order with its toe as it is, in the sole frame, shape (6, 3) [m]."""

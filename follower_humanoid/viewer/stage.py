@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from follower_humanoid.core.samples import SIDES, Array, Footstep, Footsteps, Side
+from follower_humanoid.core.samples import SIDES, Array, Footsteps
 from follower_humanoid.pictures.palette import (
     DCM,
     FOOT_FORCE_SCALE,
@@ -20,27 +20,23 @@ from follower_humanoid.pictures.palette import (
     HAND_FORCE_SCALE,
     PCM,
     PUSH_SCALE,
-    SIDE_COLORS,
     ZMP,
+    rgb,
 )
 from follower_humanoid.viewer.figure import Figure
+from follower_humanoid.viewer.footprints import Footprints
 from follower_humanoid.viewer.meshes import disc, fan, light, rim
-from follower_humanoid.viewer.moment import Moment, Trail, TrailKeeper
+from follower_humanoid.viewer.moment import Moment, Trail
 from follower_humanoid.viewer.skeleton import Skeleton
+from follower_humanoid.viewer.telling import Place, tell_moved
 
 _CORNERS = 12  # of a support polygon: two feet of six points
 _POINTS = {"com": (PCM, 0.030), "zmp": (ZMP, 0.022), "dcm": (DCM, 0.026)}
 _PHONE = 0.7  # width by height of an upright screen
 _DIMMED = 0.6
 _NOTHING = 0.05  # a shorter arrow is not drawn [m]
-# Heights over the ground, so that nothing flickers through what it lies on [m].
-_TRAIL, _PRINT, _POLYGON, _POINT = 0.002, 0.004, 0.006, 0.009
-
-
-def rgb(color: str) -> tuple[int, int, int]:
-    """`#RRGGBB` as three numbers, 0…255."""
-    red, green, blue = (int(color[at : at + 2], 16) for at in (1, 3, 5))
-    return red, green, blue
+# Heights over the ground and what lies on it [m].
+_POLYGON, _POINT = 0.006, 0.009
 
 
 def place_camera(server: viser.ViserServer) -> None:
@@ -64,19 +60,17 @@ class Stage:
     def __init__(self, scene: viser.SceneApi, skeleton: Skeleton) -> None:
         """Puts everything there, the robot standing at the origin."""
         self._scene, self._skeleton = scene, skeleton
-        self._outlines = {side: skeleton.sole_outline(side) for side in SIDES}
-        self._world = scene.add_frame("/world", show_axes=False)
+        self._world = Place(scene.add_frame("/world", show_axes=False))
         self._lay_ground()
         self._figure = Figure(scene, "/world/robot", skeleton)
         self._glass = False
         self.show_through(True)
         self._points = {name: self._add_point(name, *look) for name, look in _POINTS.items()}
+        self._places = {name: Place(handle) for name, handle in self._points.items()}
         self._polygon = self._add_polygon()
         self._hand_arrows = self._add_arrows("hands", FORCE, 0.012)
         self._foot_arrows = self._add_arrows("feet", FORCE, 0.012)
-        self._trail: Trail | None = None
-        self._footsteps: Footsteps | None = None
-        self._lines = self._add_all_lines()
+        self._footprints = Footprints(scene, "/world/footsteps", skeleton)
 
     @property
     def skeleton(self) -> Skeleton:
@@ -86,18 +80,55 @@ class Stage:
     @property
     def offset(self) -> Array:
         """Where the origin of world is in the picture, shape (3,) [m]."""
-        return np.array(self._world.position)
+        return np.array(self._world.xyz)
 
-    def draw(self, moment: Moment, trail: Trail, follow: bool = True) -> None:
-        """Shows a moment; `follow` keeps the robot in the middle of the picture."""
+    def draw(self, moment: Moment, trail: Trail) -> None:
+        """Shows a moment, all of it."""
+        self.draw_robot(moment)
+        self.draw_points(moment)
+        self.draw_forces(moment)
+        self.draw_footprints(moment, trail)
+
+    def draw_robot(self, moment: Moment, follow: bool = True) -> None:
+        """Shows its posture; `follow` keeps it in the middle of the picture."""
         if moment.has_robot:
-            base = moment["odom"].position
+            x, y, _ = moment["odom"].position.tolist()
             self._skeleton.place(moment["odom"], moment["joint_states"])
             self._figure.move()
-            self._world.position = (-base[0], -base[1], 0.0) if follow else (0.0, 0.0, 0.0)
-        self._draw_points(moment)
-        self._draw_forces(moment)
-        self._draw_prints(trail, moment["footsteps"] if "footsteps" in moment else Footsteps(()))
+            self._world.move(*((-x, -y, 0.0) if follow else (0.0, 0.0, 0.0)))
+
+    def draw_points(self, moment: Moment) -> None:
+        """Shows ZMP, CoM, capture point, and the support polygon."""
+        for number, (name, handle) in enumerate(self._points.items()):
+            handle.visible = name in moment
+            if name in moment:
+                x, y, _ = moment[name].xyz.tolist()
+                self._places[name].move(x, y, _POINT + 0.001 * number)
+        vertices = moment["support_polygon"].vertices if "support_polygon" in moment else np.zeros((0, 3))
+        self._polygon.visible = len(vertices) > 2
+        if len(vertices) > 2:
+            corners = np.minimum(np.arange(_CORNERS), len(vertices) - 1)
+            flat = vertices[corners].astype(np.float32)
+            flat[:, 2] = _POLYGON
+            tell_moved(self._polygon, "vertices", flat)
+
+    def draw_forces(self, moment: Moment) -> None:
+        """Shows what pulls, pushes and carries it."""
+        hands, feet = [], []
+        for side in SIDES:
+            grip = self._skeleton.position(f"{side.prefix}_gripper")
+            hands.append((grip, HAND_FORCE_SCALE * moment.force(f"{side.value}_hand/applied")))
+            sole = self._skeleton.pose(f"{side.prefix}_sole")
+            force = sole.rotation @ moment.force(f"{side.value}_foot/wrench")
+            feet.append((np.array(sole.translation), FOOT_FORCE_SCALE * force))
+        pelvis = self._skeleton.position("base_link")
+        hands.append((pelvis, PUSH_SCALE * moment.force("base/applied")))
+        self._show_arrows(self._hand_arrows, hands)
+        self._show_arrows(self._foot_arrows, feet)
+
+    def draw_footprints(self, moment: Moment, trail: Trail) -> None:
+        """Shows where it has been, and where it wants to step."""
+        self._footprints.draw(trail, moment["footsteps"] if "footsteps" in moment else Footsteps(()))
 
     def show_through(self, glass: bool) -> None:
         """Whether lower legs and feet let through what is under them: forces, points, polygon."""
@@ -154,86 +185,9 @@ class Stage:
             visible=False,
         )
 
-    def _draw_points(self, moment: Moment) -> None:
-        for name, handle in self._points.items():
-            handle.visible = name in moment
-            if name in moment:
-                x, y, _ = moment[name].xyz
-                handle.position = (x, y, _POINT + 0.001 * list(_POINTS).index(name))
-        vertices = moment["support_polygon"].vertices if "support_polygon" in moment else np.zeros((0, 3))
-        self._polygon.visible = len(vertices) > 2
-        if len(vertices) > 2:
-            corners = np.minimum(np.arange(_CORNERS), len(vertices) - 1)
-            flat = vertices[corners].astype(np.float32)
-            flat[:, 2] = _POLYGON
-            if not np.array_equal(flat, self._polygon.vertices):
-                self._polygon.vertices = flat
-
-    def _draw_forces(self, moment: Moment) -> None:
-        hands, feet = [], []
-        for side in SIDES:
-            grip = self._skeleton.position(f"{side.prefix}_gripper")
-            hands.append((grip, HAND_FORCE_SCALE * moment.force(f"{side.value}_hand/applied")))
-            sole = self._skeleton.pose(f"{side.prefix}_sole")
-            force = sole.rotation @ moment.force(f"{side.value}_foot/wrench")
-            feet.append((np.array(sole.translation), FOOT_FORCE_SCALE * force))
-        pelvis = self._skeleton.position("base_link")
-        hands.append((pelvis, PUSH_SCALE * moment.force("base/applied")))
-        self._show_arrows(self._hand_arrows, hands)
-        self._show_arrows(self._foot_arrows, feet)
-
     @staticmethod
     def _show_arrows(handle: Any, arrows: Sequence[tuple[Array, Array]]) -> None:
         shown = [(start, start + arrow) for start, arrow in arrows if np.linalg.norm(arrow) > _NOTHING]
         handle.visible = bool(shown)
         if shown:
-            handle.points = np.array(shown, dtype=np.float32)
-
-    def _draw_prints(self, trail: Trail, footsteps: Footsteps) -> None:
-        # Both are the same objects as long as nothing has changed.
-        if trail is not self._trail:
-            self._trail = trail
-            self._draw_trail(trail)
-        if footsteps is not self._footsteps:
-            self._footsteps = footsteps
-            planned = [step for step in footsteps.steps if not step.taken]
-            for side in SIDES:
-                self._draw_outlines(f"planned_{side.value}", side, planned)
-
-    def _draw_trail(self, trail: Trail) -> None:
-        for side in SIDES:
-            self._draw_outlines(f"taken_{side.value}", side, trail.prints)
-        path = trail.path.copy()
-        path[:, 2] = _TRAIL
-        segments = np.stack((path[:-1], path[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
-        walked = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) < TrailKeeper.JUMP
-        self._draw_lines("trail", segments[walked])
-
-    def _draw_outlines(self, name: str, side: Side, steps: Sequence[Footstep]) -> None:
-        segments = [self._outline(step) for step in steps if step.side is side]
-        self._draw_lines(name, np.vstack(segments) if segments else np.zeros((0, 2, 3)))
-
-    def _draw_lines(self, name: str, segments: Array) -> None:
-        self._lines[name].visible = bool(len(segments))
-        if len(segments):
-            self._lines[name].points = segments.astype(np.float32)
-
-    def _add_all_lines(self) -> dict[str, Any]:
-        """Thick where a foot stood, thin where a step is planned."""
-        looks = {"trail": (PCM, 0.012)}
-        for side in SIDES:
-            looks[f"taken_{side.value}"] = (SIDE_COLORS[side], 0.014)
-            looks[f"planned_{side.value}"] = (SIDE_COLORS[side], 0.006)
-        return {
-            name: self._scene.add_line_segments(
-                f"/world/footsteps/{name}", np.zeros((1, 2, 3)), rgb(color), thickness=width, visible=False
-            )
-            for name, (color, width) in looks.items()
-        }
-
-    def _outline(self, step: Footstep) -> Array:
-        """Edges of a footprint on the ground, shape (6, 2, 3) [m]."""
-        c, s = np.cos(step.yaw), np.sin(step.yaw)
-        corners = self._outlines[step.side] @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 0.0]])
-        corners = corners + np.array([step.position[0], step.position[1], _PRINT])
-        return np.stack((corners, np.roll(corners, -1, axis=0)), axis=1)
+            tell_moved(handle, "points", np.array(shown, dtype=np.float32))
