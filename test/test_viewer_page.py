@@ -60,7 +60,7 @@ class Shown:
     def _draw(self) -> None:
         while not self._over.wait(1.0 / CONFIG.rate):
             if self.page.watched:
-                self.page.show(self.moment, Trail())
+                self.page.show(self.moment, lambda _: Trail())
 
     def force(self) -> np.ndarray | None:
         return self.page.forces()[Side.LEFT]

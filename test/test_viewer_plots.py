@@ -30,6 +30,11 @@ def pulled(time: float, force: float) -> Moment:
     return Moment(time, {"left_hand/applied": Wrench(np.array([force, 0.0, 0.0]), np.zeros(3))})
 
 
+def show(plots: Plots) -> None:
+    for plot in range(len(plots)):
+        plots.show(plot)
+
+
 @pytest.fixture
 def gui():
     return Gui()
@@ -44,7 +49,7 @@ def test_what_nobody_has_published_is_not_drawn_as_zero(gui, plots):
     plots.add(Moment(0.0))
     plots.add(pulled(0.5, 3.0))
     plots.add(pulled(1.0, 4.0))
-    plots.show()
+    show(plots)
     times, x, *_ = gui.plots[LEFT].data
     np.testing.assert_array_equal(times, [0.5, 1.0])
     np.testing.assert_array_equal(x, [3.0, 4.0])
@@ -53,7 +58,7 @@ def test_what_nobody_has_published_is_not_drawn_as_zero(gui, plots):
 def test_curves_reach_back_as_far_as_they_say_however_seldom_somebody_looks(gui, plots):
     for time in np.arange(0.0, 3.0 * WINDOW, 0.4):
         plots.add(pulled(float(time), float(time)))
-    plots.show()
+    show(plots)
     times, x, *_ = gui.plots[LEFT].data
     assert WINDOW - 0.5 < times[-1] - times[0] <= WINDOW
     np.testing.assert_array_equal(x, times)
@@ -62,7 +67,7 @@ def test_curves_reach_back_as_far_as_they_say_however_seldom_somebody_looks(gui,
 def test_no_line_is_drawn_through_a_time_that_was_not_seen(gui, plots):
     for time in (0.0, 0.5, 7.0, 7.5):
         plots.add(pulled(time, 1.0))
-    plots.show()
+    show(plots)
     np.testing.assert_array_equal(gui.plots[LEFT].data[0], [7.0, 7.5])
 
 
@@ -71,7 +76,7 @@ def test_curves_of_a_bag_are_whole_wherever_it_is_wound_to(gui, plots, path):
     tape = Tape(walking())
     for time in path:
         plots.add(tape.moment(time), tape.moments)
-    plots.show()
+    show(plots)
     weight = gui.plots[list(PLOTS).index("Weight on the feet [N]")].data
     assert weight[0][0] <= tape.begin + 0.1
     assert weight[0][-1] == path[-1]

@@ -132,7 +132,7 @@ class ViewerNode(ManagedNode):
         moment = self._moment(now)
         self._displays.show(moment)
         if page is not None and watched:
-            page.show(moment, self._trail.add(moment))
+            page.show(moment, self._trail.add)
             self._frames += 1
         self._leading.pull(page.forces() if page is not None else {}, self.stamp)
 

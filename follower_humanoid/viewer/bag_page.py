@@ -94,7 +94,7 @@ class BagPage:
         self.transport.advance(wall)
         if self.page.watched:
             time = self.transport.time
-            self.page.show(self.tape.moment(time), self.tape.trail(time), self.tape.moments)
+            self.page.show(self.tape.moment(time), lambda _: self.tape.trail(time), self.tape.moments)
 
 
 def show_bag(bag: Path, namespace: str | None, config: ViewerConfig) -> int:

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import redirect_stdout, suppress
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -21,14 +22,18 @@ from follower_humanoid.viewer.hands import Hands
 from follower_humanoid.viewer.leash import Leashes
 from follower_humanoid.viewer.moment import Moment, Trail
 from follower_humanoid.viewer.panel import LeadPanel, ViewPanel
-from follower_humanoid.viewer.plots import Past, Plots
+from follower_humanoid.viewer.plots import STEP, Past, Plots
 from follower_humanoid.viewer.skeleton import Skeleton
 from follower_humanoid.viewer.stage import Stage, place_camera, suit_camera
 from follower_humanoid.viewer.telling import at_once
+from follower_humanoid.viewer.turns import Turns
 from follower_humanoid.viewer.words import BAD, GOOD, WAITING, figures, state_words
 
-_WORDS_EVERY = 0.25  # wall time between two looks at the words [s]
-_PLOTS_EVERY = 0.2
+# Wall times between two looks [s]
+_POINTS_EVERY = _FORCES_EVERY = 0.07
+_GROUND_EVERY = 0.2
+_CURVES_EVERY = 0.2
+_WORDS_EVERY = 0.25
 _HEARTBEAT = 0.3  # wall time between two questions to a page that holds a hand [s]
 # In the light and in the dark.
 _COLORS = {GOOD: ("#237032", "#69db7c"), WAITING: ("#5c6770", "#ced4da"), BAD: ("#c92a2a", "#ff8787")}
@@ -95,8 +100,8 @@ class Page:
             self._plots = Plots(self._server.gui, () if push else ("Real-time factor",))
         plots.dock_left()
         plots.set_width(300)
-        self._worded = self._plotted = 0.0
         self._words = ""
+        self._turns = self._take_turns()
         self._over = threading.Event()
         self._server.on_client_connect(suit_camera)
         self._server.on_client_disconnect(self._gone)
@@ -115,26 +120,21 @@ class Page:
         """Whether anybody has the page open."""
         return bool(self._server.get_clients())
 
-    def show(self, moment: Moment, trail: Trail, past: Past | None = None) -> None:
-        """Draws a moment; `past` is what was there before, where that is known."""
+    def show(self, moment: Moment, trail: Callable[[Moment], Trail], past: Past | None = None) -> None:
+        """Draws a moment: the robot, and of the rest what is due.
+
+        Args:
+            moment: What is seen.
+            trail: What lies on the ground at a moment; asked for less often than moments are drawn.
+            past: What was there before, where that is known.
+        """
+        self._trail, self._past = trail, past
         with at_once(self._server):
             self._stage.show_through(self._view.glass)
             self._stage.draw_robot(moment, self._view.follow)
-            self._stage.draw_points(moment)
-            self._stage.draw_forces(moment)
-            self._stage.draw_footprints(moment, trail)
             if self._leashes is not None:
                 self._leashes.draw()
-        self._plots.add(moment, past)
-        now = time.monotonic()
-        if now - self._worded > _WORDS_EVERY:
-            self._worded = now
-            self._say(moment)
-            if self._lead is not None:
-                self._lead.refresh()
-        if now - self._plotted > _PLOTS_EVERY:
-            self._plotted = now
-            self._plots.show()
+            self._turns.take(moment)
 
     def forces(self) -> dict[Side, Array | None]:
         """What people do to the hands now [N]; None where nobody holds on."""
@@ -163,7 +163,23 @@ class Page:
         server.scene.configure_default_lights(cast_shadow=self._config.shadows)
         place_camera(server)
 
+    def _take_turns(self) -> Turns:
+        turns = Turns(self._config.rate)
+        turns.add(_POINTS_EVERY, self._stage.draw_points)
+        turns.add(_FORCES_EVERY, self._stage.draw_forces)
+        turns.add(_GROUND_EVERY, lambda moment: self._stage.draw_footprints(moment, self._trail(moment)))
+        turns.add(_WORDS_EVERY, self._say)
+        turns.add(STEP, lambda moment: self._plots.add(moment, self._past))
+        for plot in range(len(self._plots)):
+            turns.add(_CURVES_EVERY, partial(self._draw_plot, plot))
+        return turns
+
+    def _draw_plot(self, plot: int, _: Moment) -> None:
+        self._plots.show(plot)
+
     def _say(self, moment: Moment) -> None:
+        if self._lead is not None:
+            self._lead.refresh()
         self._write(*state_words(moment), figures(moment) if moment.has_robot else [])
 
     def _write(self, mood: str, words: str, rows: list[tuple[str, str]]) -> None:

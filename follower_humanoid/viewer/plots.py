@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import viser
 import viser.uplot
 
-from follower_humanoid.core.samples import SIDES
+from follower_humanoid.core.samples import SIDES, Array
 from follower_humanoid.pictures.palette import AXIS_COLORS, DCM, PCM, SIDE_COLORS, ZMP
 from follower_humanoid.viewer.moment import Moment
 
 WINDOW = 12.0
 """Length of the curves [s]."""
-_STEP = 0.05  # between two points [s]
+STEP = 0.05
+"""Time between two points of a curve [s]."""
 _GAP = 1.0  # a longer silence parts the curves [s]
 _HEIGHT = 140  # pixels
 _PADDING = (10, 24, 0, 0)  # of a plot, so that the uppermost number is whole [pixels]
@@ -74,7 +75,9 @@ class Plots:
     def __init__(self, gui: viser.GuiApi, without: Sequence[str] = ()) -> None:
         """Adds the plots where the GUI's context is; `without` names those that are left out."""
         self._plots = {title: curves for title, curves in PLOTS.items() if title not in without}
-        self._rows: deque[list[float]] = deque()
+        ends = np.cumsum([1, *map(len, self._plots.values())])
+        self._columns = [[0, *range(first, end)] for first, end in pairwise(ends)]
+        self._rows = _Rows(ends[-1])
         self._handles: list[Any] = []
         for title, curves in self._plots.items():
             series = [viser.uplot.Series(label="t")]
@@ -98,33 +101,60 @@ class Plots:
             moment: What is seen now.
             past: What was there before, where that is known: curves of a recording have no gaps.
         """
-        last = self._rows[-1][0] if self._rows else -np.inf
-        if last <= moment.time < last + _STEP:
+        table = self._rows.table
+        last = float(table[-1, 0]) if len(table) else -np.inf
+        if last <= moment.time < last + STEP:
             return False
         # Otherwise it is another run, a bag wound to elsewhere, or a page that was closed for long.
         if not last <= moment.time < last + _GAP:
             self._rows.clear()
             last = moment.time - WINDOW
-        for before in past(last, moment.time, _STEP) if past is not None else ():
+        for before in past(last, moment.time, STEP) if past is not None else ():
             self._append(before)
         self._append(moment)
-        while self._rows[0][0] < moment.time - WINDOW:
-            self._rows.popleft()
+        self._rows.drop_before(moment.time - WINDOW)
         return True
+
+    def __len__(self) -> int:
+        return len(self._plots)
+
+    def show(self, plot: int) -> None:
+        """Sends the curves of a plot to the pages."""
+        columns = self._columns[plot]
+        table = self._rows.table[:, columns]
+        known = table[np.isfinite(table).all(axis=1)]
+        if len(known):
+            self._handles[plot].data = tuple(np.ascontiguousarray(known.T))
 
     def _append(self, moment: Moment) -> None:
         values = [curve.value(moment) for curves in self._plots.values() for curve in curves]
         self._rows.append([moment.time, *values])
 
-    def show(self) -> None:
-        """Sends the curves to the pages."""
-        if not self._rows:
-            return
-        table = np.array(self._rows)
-        column = 1
-        for handle, curves in zip(self._handles, self._plots.values(), strict=True):
-            wanted = [0, *range(column, column + len(curves))]
-            column += len(curves)
-            known = table[np.isfinite(table[:, wanted]).all(axis=1)][:, wanted]
-            if len(known):
-                handle.data = tuple(known.T.copy())
+
+class _Rows:
+    """Rows of numbers, the oldest of which are dropped now and then; the first column is their time."""
+
+    _ROOM = 1024  # rows; more than twice as many as a window holds
+
+    def __init__(self, width: int) -> None:
+        self._all = np.empty((self._ROOM, width))
+        self._begin = self._end = 0
+
+    @property
+    def table(self) -> Array:
+        """All rows, shape (n, width)."""
+        return self._all[self._begin : self._end]
+
+    def append(self, row: Sequence[float]) -> None:
+        if self._end == self._ROOM:
+            kept = self.table[-self._ROOM // 2 :].copy()
+            self._begin, self._end = 0, len(kept)
+            self._all[: self._end] = kept
+        self._all[self._end] = row
+        self._end += 1
+
+    def drop_before(self, time: float) -> None:
+        self._begin += int(np.searchsorted(self.table[:, 0], time))
+
+    def clear(self) -> None:
+        self._begin = self._end = 0

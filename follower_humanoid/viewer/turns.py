@@ -1,0 +1,38 @@
+"""Pieces of a picture that need not be in every picture, and take turns."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+
+from follower_humanoid.viewer.moment import Moment
+
+Piece = Callable[[Moment], object]
+
+
+class Turns:
+    """Draws each piece as often as it is worth, and as few as possible in the same picture."""
+
+    def __init__(self, rate: float) -> None:
+        """Args: pictures a second [Hz]."""
+        self._rate = rate
+        self._pieces: list[tuple[int, int, Piece]] = []
+        self._pictures = 0
+
+    def add(self, interval: float, piece: Piece) -> None:
+        """Adds a piece that is drawn once in an interval [s], or in every picture where these are rarer."""
+        every = max(1, round(interval * self._rate))
+        self._pieces.append((every, len(self._pieces) % every, piece))
+
+    def take(self, moment: Moment) -> None:
+        """Draws what is due in this picture."""
+        for every, turn, piece in self._pieces:
+            if self._pictures % every == turn:
+                give_way()
+                piece(moment)
+        self._pictures += 1
+
+
+def give_way() -> None:
+    """Lets somebody else who waits for this processor have it, between two pieces of work."""
+    os.sched_yield()
