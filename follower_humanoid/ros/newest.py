@@ -20,27 +20,28 @@ from follower_humanoid.graph.wiring import PRODUCER
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, seen_topic
-from follower_humanoid.ros.envelope_reader import EnvelopeReader
+from follower_humanoid.ros.glance import Glance
 from follower_humanoid.ros.validation import MessageError
 
 NEWEST = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 _SHOWN_AFTER = 1.0  # wall time within which a node that shows its samples is found [s]
+_CHOOSE_EVERY = 0.2  # wall time between two looks for such nodes [s]
 
 
 class _Window:
     """What one node shows.
 
     Attributes:
-        reader: Reads it.
+        envelope: How it is packed.
         topics: What is wanted of it.
         subscription: Where it comes in.
         since: When it was last seen to be there, or begun to be looked for.
     """
 
-    def __init__(self, node: Any, name: str, topics: tuple[str, ...], codecs: dict[str, Codec]) -> None:
+    def __init__(self, node: Any, name: str, topics: tuple[str, ...]) -> None:
         self.topics = topics
-        wanted = {topic: codecs[topic] for topic in topics}
-        self.reader = EnvelopeReader(Envelope(PRODUCER[topics[0]]), wanted)
+        self.envelope = Envelope(PRODUCER[topics[0]])
+        self._rows = [self.envelope.topics.index(topic) for topic in topics]
         self.subscription = node.create_subscription(
             UInt8MultiArray, seen_topic(name), _drop, NEWEST, raw=True
         )
@@ -52,12 +53,25 @@ class _Window:
             self.since = now
         return now - self.since > _SHOWN_AFTER
 
+    def open(self, data: bytes) -> tuple[int, Iterator[tuple[str, bytes]]]:
+        """Stamp [ns], and what is wanted, as topics and messages.
+
+        Raises:
+            MessageError: Not an envelope of this node.
+        """
+        stamp, messages = self.envelope.open(data)
+        return stamp, (
+            (topic, messages[row])
+            for topic, row in zip(self.topics, self._rows, strict=True)
+            if messages[row]
+        )
+
 
 class Newest:
     """Subscriptions of a node that an executor need not know.
 
     Attributes:
-        samples: Topic → newest sample; the same object until another message has come.
+        samples: What has come.
         stamp: Of the newest message of the topic that is the clock [ns].
     """
 
@@ -69,7 +83,8 @@ class Newest:
         self._codecs = {topic: Codec(topic, robot) for topic in topics}
         self._windows: list[_Window] = []
         self._by_name: dict[str, Any] = {}
-        self.samples: dict[str, Any] = {}
+        self.samples = Glance(self._codecs, reject)
+        self._chosen = -_CHOOSE_EVERY
         self.stamp = -1
 
     @property
@@ -91,9 +106,7 @@ class Newest:
                 self._listen_by_name(topic)
             else:
                 shown.setdefault(PRODUCER[topic].name, []).append(topic)
-        self._windows = [
-            _Window(self._node, name, tuple(topics), self._codecs) for name, topics in shown.items()
-        ]
+        self._windows = [_Window(self._node, name, tuple(topics)) for name, topics in shown.items()]
 
     def close(self) -> None:
         """Unsubscribes; what has been seen stays."""
@@ -104,9 +117,9 @@ class Newest:
 
     def look(self, clock: str) -> bool:
         """Takes in what has come; True where the topic `clock` had something new."""
-        now, before = time.monotonic(), self.samples.get(clock)
+        before = self.samples.get(clock)
+        self._choose_ways(time.monotonic())
         for window in self._windows:
-            self._choose_way(window, window.is_empty(now))
             data = _take(window.subscription)
             try:
                 if data is not None:
@@ -115,25 +128,29 @@ class Newest:
                 self._reject(error)
         for topic, subscription in self._by_name.items():
             data = _take(subscription)
-            try:
-                if data is not None:
-                    self.samples[topic] = self._codecs[topic].decode(data)
-                    if topic == clock:
-                        self.stamp = stamp_of(data)
-            except MessageError as error:
-                self._reject(error)
+            if data is not None:
+                self.samples.put(topic, data)
+                if topic == clock:
+                    self.stamp = stamp_of(data)
         return self.samples.get(clock) is not before
 
     def forget(self) -> None:
         """Drops what is no longer new."""
-        self.samples = {}
+        self.samples.forget()
 
     def _take_in(self, window: _Window, data: bytes, clock: str) -> None:
-        stamp = window.reader.envelope.stamp(data)
-        samples = window.reader.read(data)
-        self.samples |= {t: s for t, s in zip(window.topics, samples, strict=True) if s is not None}
+        stamp, messages = window.open(data)
+        for topic, message in messages:
+            self.samples.put(topic, message)
         if clock in window.topics:
             self.stamp = stamp
+
+    def _choose_ways(self, now: float) -> None:
+        """Looks now and then who shows anything."""
+        if now - self._chosen > _CHOOSE_EVERY:
+            self._chosen = now
+            for window in self._windows:
+                self._choose_way(window, window.is_empty(now))
 
     def _choose_way(self, window: _Window, empty: bool) -> None:
         """Hears topics by name while nobody shows them, and no longer."""
@@ -150,13 +167,10 @@ class Newest:
 
 
 def _take(subscription: Any) -> bytes | None:
-    """The newest message in a subscription's queue, if there is one."""
-    newest: bytes | None = None
-    handle, message_type = subscription.handle, subscription.msg_type
-    with handle:
-        while (taken := handle.take_message(message_type, True)) is not None:
-            newest = taken[0]
-    return newest
+    """The message in a subscription's queue, which holds one, if there is one."""
+    with subscription.handle:
+        taken = subscription.handle.take_message(subscription.msg_type, True)
+    return None if taken is None else taken[0]
 
 
 def _drop(_: bytes) -> None:

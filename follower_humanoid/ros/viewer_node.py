@@ -146,7 +146,7 @@ class ViewerNode(ManagedNode):
             newest.forget()
 
     def _moment(self, now: float) -> Moment:
-        samples = dict(self._newest.samples) if self._newest is not None else {}
+        samples = self._newest.samples if self._newest is not None else {}
         speed = self._speed.look(self.stamp / 1e9, now)
         missing = tuple(sorted(self._missing(now)))
         return Moment(self.stamp / 1e9, samples, self._reports, missing, now - self._moved, speed)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 
 from follower_humanoid.viewer.moment import Moment
@@ -28,11 +27,5 @@ class Turns:
         """Draws what is due in this picture."""
         for every, turn, piece in self._pieces:
             if self._pictures % every == turn:
-                give_way()
                 piece(moment)
         self._pictures += 1
-
-
-def give_way() -> None:
-    """Lets somebody else who waits for this processor have it, between two pieces of work."""
-    os.sched_yield()
