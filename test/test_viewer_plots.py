@@ -18,6 +18,9 @@ class Gui:
     class Plot:
         data: tuple[np.ndarray, ...] = ()
 
+        def _queue_update(self, name: str, value: tuple[np.ndarray, ...]) -> None:
+            setattr(self, name, value)
+
     def __init__(self) -> None:
         self.plots: list[Gui.Plot] = []
 

@@ -7,7 +7,7 @@ import pytest
 from follower_humanoid.viewer.moment import Moment
 from follower_humanoid.viewer.turns import Turns
 
-INTERVALS = (0.07, 0.07, 0.2, 0.25, 0.05, *[0.2] * 7)
+INTERVALS = (0.1, 0.07, 0.3, 0.25, 0.05, *[0.2] * 7)
 
 
 def drawn(rate: float, pictures: int) -> list[list[int]]:

@@ -11,13 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 from std_msgs.msg import UInt8MultiArray
 
+from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.envelope import seen_topic
 from follower_humanoid.ros.envelope_writer import EnvelopeWriter
 
 if TYPE_CHECKING:
     from follower_humanoid.ros.lockstep_node import LockStepNode
 
-EVERY = 10  # ticks: as often as a page is drawn anew, at 0.6 of real time
+# Ticks between two looks at the body: as often as a page is drawn anew, at 0.6 of real time.
+# What else there is to see is drawn half as often.
+BODY_EVERY, EVERY = 10, 20
 
 
 class Exhibit:
@@ -28,6 +31,7 @@ class Exhibit:
         self._writer = writer
         self._publisher = node.make_publisher(UInt8MultiArray, seen_topic(node.wiring.name))
         self._newest: dict[str, Any] = dict.fromkeys(node.wiring.outputs.values())
+        self._every = BODY_EVERY if node.wiring.name == SIMULATOR else EVERY
         self._watched = False
 
     def look(self) -> None:
@@ -41,5 +45,5 @@ class Exhibit:
         for topic, sample in samples.items():
             if sample is not None:
                 self._newest[topic] = sample
-        if tick % EVERY == 0:
+        if tick % self._every == 0:
             self._publisher.publish(self._writer.seal(self._newest, stamp)[0])

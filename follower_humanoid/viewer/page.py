@@ -25,13 +25,14 @@ from follower_humanoid.viewer.panel import LeadPanel, ViewPanel
 from follower_humanoid.viewer.plots import STEP, Past, Plots
 from follower_humanoid.viewer.skeleton import Skeleton
 from follower_humanoid.viewer.stage import Stage, place_camera, suit_camera
-from follower_humanoid.viewer.telling import at_once
+from follower_humanoid.viewer.telling import at_once, without_delay
 from follower_humanoid.viewer.turns import Turns
 from follower_humanoid.viewer.words import BAD, GOOD, WAITING, figures, state_words
 
 # Wall times between two looks [s]
-_POINTS_EVERY = _FORCES_EVERY = 0.07
-_GROUND_EVERY = 0.2
+_FORCES_EVERY = 0.07
+_POINTS_EVERY = 0.1
+_GROUND_EVERY = 0.3
 _CURVES_EVERY = 0.2
 _WORDS_EVERY = 0.25
 _HEARTBEAT = 0.3  # wall time between two questions to a page that holds a hand [s]
@@ -81,6 +82,7 @@ class Page:
         _check_address(config.host)
         with redirect_stdout(io.StringIO()):  # viser announces itself; one line of ours is enough
             self._server = viser.ViserServer(config.host, config.port, verbose=False)
+        without_delay(self._server)
         self._config = config
         self.hands = Hands(config.pull)
         self._lock = threading.Lock()

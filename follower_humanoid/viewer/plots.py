@@ -14,6 +14,7 @@ import viser.uplot
 from follower_humanoid.core.samples import SIDES, Array
 from follower_humanoid.pictures.palette import AXIS_COLORS, DCM, PCM, SIDE_COLORS, ZMP
 from follower_humanoid.viewer.moment import Moment
+from follower_humanoid.viewer.telling import tell_data
 
 WINDOW = 12.0
 """Length of the curves [s]."""
@@ -124,7 +125,7 @@ class Plots:
         table = self._rows.table[:, columns]
         known = table[np.isfinite(table).all(axis=1)]
         if len(known):
-            self._handles[plot].data = tuple(np.ascontiguousarray(known.T))
+            tell_data(self._handles[plot], tuple(np.ascontiguousarray(known.T)))
 
     def _append(self, moment: Moment) -> None:
         values = [curve.value(moment) for curves in self._plots.values() for curve in curves]

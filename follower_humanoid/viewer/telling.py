@@ -13,7 +13,13 @@ from typing import Any
 import numpy as np
 from viser import _messages as messages
 
+from follower_humanoid.core.samples import Array
 from follower_humanoid.viewer.carried import VISIBLE, Singles
+
+
+def without_delay(server: Any) -> None:
+    """Sends a picture when it is drawn: it comes in one piece, and need not wait for more of it."""
+    server._websock_server.get_message_buffer().window_duration_sec = 0.0
 
 
 def at_once(server: Any) -> AbstractContextManager[None]:
@@ -36,6 +42,11 @@ def tell_moved(handle: Any, name: str, points: Singles) -> None:
     elif np.abs(told - points).max() > VISIBLE:
         told[:] = points
         tell(handle, name)
+
+
+def tell_data(plot: Any, columns: tuple[Array, ...]) -> None:
+    """Tells a plot's times and values, one array per line; they must not change any more."""
+    plot._queue_update("data", columns)
 
 
 class Place:

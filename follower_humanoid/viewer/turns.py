@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import gcd
 
 from follower_humanoid.viewer.moment import Moment
 
@@ -21,7 +22,12 @@ class Turns:
     def add(self, interval: float, piece: Piece) -> None:
         """Adds a piece that is drawn once in an interval [s], or in every picture where these are rarer."""
         every = max(1, round(interval * self._rate))
-        self._pieces.append((every, len(self._pieces) % every, piece))
+
+        def met(turn: int) -> int:
+            """How many pieces are at some time in the same picture."""
+            return sum((turn - other) % gcd(every, often) == 0 for often, other, _ in self._pieces)
+
+        self._pieces.append((every, min(range(every), key=met), piece))
 
     def take(self, moment: Moment) -> None:
         """Draws what is due in this picture."""
