@@ -25,6 +25,7 @@ from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.validation import MessageError, finite
 
 _LARGEST_CACHE = 64
+_LONGEST_LEARNT = 1 << 14  # bytes; whose own messages are longer is a stranger
 
 
 class Layout:
@@ -95,6 +96,17 @@ class Layout:
                 finite(topic, span[begin:end])
         return [span[begin:end] for begin, end in self._within_span]
 
+    def numbers(self, topic: str, data: bytes) -> list[Array]:
+        """The numbers in a message that fits, whatever their precision, block by block.
+
+        Raises:
+            MessageError: A number is not finite.
+        """
+        return [
+            finite(topic, np.frombuffer(data, "<" + slot.code, slot.count, slot.offset).astype(np.float64))
+            for slot in self.slots
+        ]
+
     def fits(self, data: bytes) -> bool:
         """Whether a message differs from this one in stamp and numbers only."""
         if len(data) != len(self.data):
@@ -121,6 +133,8 @@ class Codec:
         self._layouts: dict[Hashable, Layout] = {}
         self.shape, self.numbers = self._format.shape, self._format.numbers
         self.read_layout = self.layout(None) if self._format.fast_reading else None
+        # Length of a message → layout and shape of the last one that was so long, where there are several.
+        self._learnt: dict[int, tuple[Layout, Hashable]] = {}
 
     def layout(self, shape: Hashable) -> Layout:
         """The layout of samples of a shape; made when it is asked for first."""
@@ -142,13 +156,28 @@ class Codec:
             MessageError: The message cannot be used.
         """
         layout = self.read_layout
-        if layout is None or not layout.fits(data):
+        if layout is None:
+            return self._decode_any(data)
+        if not layout.fits(data):
             return self._read(data)
         return self.made_of(layout.blocks(self.topic, data))
 
     def made_of(self, blocks: list[Array]) -> Any:
         """The sample with these numbers, block by block as in `read_layout`."""
         return self._format.sample(blocks, None)
+
+    def _decode_any(self, data: bytes) -> Any:
+        """Reads our own messages of several layouts like the last one of the same length, if it is alike."""
+        layout, shape = self._learnt.get(len(data), (None, None))
+        if layout is not None and layout.fits(data):
+            return self._format.sample(layout.numbers(self.topic, data), shape)
+        sample = self._read(data)
+        if len(data) <= _LONGEST_LEARNT:
+            shape = self.shape(sample)
+            if len(self._learnt) >= _LARGEST_CACHE:
+                self._learnt.clear()
+            self._learnt[len(data)] = self.layout(shape), shape
+        return sample
 
     def _read(self, data: bytes) -> Any:
         try:

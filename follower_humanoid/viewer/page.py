@@ -34,7 +34,7 @@ _FORCES_EVERY = 0.07
 _POINTS_EVERY = 0.1
 _GROUND_EVERY = 0.3
 _CURVES_EVERY = 0.2
-_WORDS_EVERY = 0.25
+_WORDS_EVERY = 0.3
 _HEARTBEAT = 0.3  # wall time between two questions to a page that holds a hand [s]
 # In the light and in the dark.
 _COLORS = {GOOD: ("#237032", "#69db7c"), WAITING: ("#5c6770", "#ced4da"), BAD: ("#c92a2a", "#ff8787")}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -76,9 +76,8 @@ class Plots:
     def __init__(self, gui: viser.GuiApi, without: Sequence[str] = ()) -> None:
         """Adds the plots where the GUI's context is; `without` names those that are left out."""
         self._plots = {title: curves for title, curves in PLOTS.items() if title not in without}
-        ends = np.cumsum([1, *map(len, self._plots.values())])
-        self._columns = [[0, *range(first, end)] for first, end in pairwise(ends)]
-        self._rows = _Rows(ends[-1])
+        self._columns = list(pairwise(accumulate(map(len, self._plots.values()), initial=0)))
+        self._rows = _Rows(self._columns[-1][1])
         self._handles: list[Any] = []
         for title, curves in self._plots.items():
             series = [viser.uplot.Series(label="t")]
@@ -102,8 +101,8 @@ class Plots:
             moment: What is seen now.
             past: What was there before, where that is known: curves of a recording have no gaps.
         """
-        table = self._rows.table
-        last = float(table[-1, 0]) if len(table) else -np.inf
+        times = self._rows.times
+        last = float(times[-1]) if len(times) else -np.inf
         if last <= moment.time < last + STEP:
             return False
         # Otherwise it is another run, a bag wound to elsewhere, or a page that was closed for long.
@@ -121,41 +120,46 @@ class Plots:
 
     def show(self, plot: int) -> None:
         """Sends the curves of a plot to the pages."""
-        columns = self._columns[plot]
-        table = self._rows.table[:, columns]
-        known = table[np.isfinite(table).all(axis=1)]
-        if len(known):
-            tell_data(self._handles[plot], tuple(np.ascontiguousarray(known.T)))
+        first, end = self._columns[plot]
+        times, values = self._rows.times, self._rows.columns[first:end]
+        known = np.isfinite(values).all(axis=0)
+        if known.any():
+            tell_data(self._handles[plot], (times[known], *(column[known] for column in values)))
 
     def _append(self, moment: Moment) -> None:
         values = [curve.value(moment) for curves in self._plots.values() for curve in curves]
-        self._rows.append([moment.time, *values])
+        self._rows.append(moment.time, values)
 
 
 class _Rows:
-    """Rows of numbers, the oldest of which are dropped now and then; the first column is their time."""
+    """Numbers at times, the oldest of which are dropped now and then."""
 
-    _ROOM = 1024  # rows; more than twice as many as a window holds
+    _ROOM = 1024  # more than twice as many rows as a window holds
 
     def __init__(self, width: int) -> None:
-        self._all = np.empty((self._ROOM, width))
+        self._all = np.empty((1 + width, self._ROOM))
         self._begin = self._end = 0
 
     @property
-    def table(self) -> Array:
-        """All rows, shape (n, width)."""
-        return self._all[self._begin : self._end]
+    def times(self) -> Array:
+        """Of all rows, shape (n,) [s]."""
+        return self._all[0, self._begin : self._end]
 
-    def append(self, row: Sequence[float]) -> None:
+    @property
+    def columns(self) -> Array:
+        """The numbers, shape (width, n)."""
+        return self._all[1:, self._begin : self._end]
+
+    def append(self, time: float, numbers: Sequence[float]) -> None:
         if self._end == self._ROOM:
-            kept = self.table[-self._ROOM // 2 :].copy()
-            self._begin, self._end = 0, len(kept)
-            self._all[: self._end] = kept
-        self._all[self._end] = row
+            kept = self._all[:, max(self._begin, self._ROOM // 2) :].copy()
+            self._begin, self._end = 0, kept.shape[1]
+            self._all[:, : self._end] = kept
+        self._all[:, self._end] = (time, *numbers)
         self._end += 1
 
     def drop_before(self, time: float) -> None:
-        self._begin += int(np.searchsorted(self.table[:, 0], time))
+        self._begin += int(np.searchsorted(self.times, time))
 
     def clear(self) -> None:
         self._begin = self._end = 0
