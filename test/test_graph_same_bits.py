@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 
 import pytest
-from graph_bench import environment
+from graph_bench import run
 
-from follower_humanoid.bench.placement import Listener
 from follower_humanoid.graph.simulate import TICK, simulate
 
 TICKS = 150
 pytestmark = pytest.mark.timeout(300)
-
-
-@pytest.fixture(scope="module")
-def listener():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_DOMAIN_ID", environment()["ROS_DOMAIN_ID"])
-        made = Listener()
-        yield made
-        made.close()
 
 
 @pytest.fixture(scope="module")
@@ -39,21 +30,22 @@ def hogs():
         process.wait()
 
 
-def joint_hash(listener, *options, **how):
-    told = listener.run(TICK, "--leader", "fig4", "--duration", f"{TICK * TICKS:g}", *options, **how)
-    return told.values["simulator"]["joint_hash"]
+def joint_hash(folder, bag, *options):
+    ended = run(folder, "--leader", "fig4", "--duration", f"{TICK * TICKS:g}", "--bag", bag, *options)
+    assert ended.process.returncode == 0, ended.complained
+    return re.findall(r"joint hash: +([0-9a-f]{64})", ended.said)[-1]
 
 
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
-def test_without_a_recorder_beside_others_that_want_the_cores(listener, chain, hogs, placement):
-    assert joint_hash(listener, *placement) == chain
+def test_without_a_recorder_beside_others_that_want_the_cores(tmp_path, chain, hogs, placement):
+    assert joint_hash(tmp_path, "none", *placement) == chain
 
 
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
-def test_in_real_time(listener, chain, placement):
-    assert joint_hash(listener, "--realtime", *placement) == chain
+def test_in_real_time(tmp_path, chain, placement):
+    assert joint_hash(tmp_path, "none", "--realtime", *placement) == chain
 
 
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
-def test_with_a_recorder(listener, chain, placement):
-    assert joint_hash(listener, *placement, recorded=True) == chain
+def test_with_a_recorder(tmp_path, chain, placement):
+    assert joint_hash(tmp_path, "bag", *placement) == chain

@@ -24,6 +24,7 @@ _SUMMARY = (
     ("zmp_balance", "smallest_zmp_margin [m]", "smallest ZMP margin", "{:.4f} m"),
     ("simulator", "peak_voltage [V]", "peak voltage", "{:.1f} V"),
     ("simulator", "saturated_ticks", "ticks at the voltage limit", "{:.0f}"),
+    ("simulator", "joint_hash", "joint hash", "{}"),
     ("recorder", "bag", "bag", "{}"),
 )
 
