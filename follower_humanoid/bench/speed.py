@@ -12,6 +12,7 @@ from statistics import median
 from typing import Any
 
 from follower_humanoid.bench.check import Check, at_least, at_most
+from follower_humanoid.bench.machine import own_lateness
 from follower_humanoid.bench.placement import Listener, Placed
 from follower_humanoid.bench.tape import Cost, Tape
 from follower_humanoid.graph.simulate import TICK, Chain
@@ -32,6 +33,7 @@ class Costs:
         placed, recorded: Placement → runs without and with a bag.
         paced: Placement → run in real time.
         joint_hash: Of the chain's joint positions.
+        own_lateness: Of a loop that computes for half of each tick, in real time, alone on the machine [s].
     """
 
     bare: list[Cost] = field(default_factory=list)
@@ -41,6 +43,7 @@ class Costs:
     recorded: dict[str, list[Placed]] = field(default_factory=dict)
     paced: dict[str, Placed] = field(default_factory=dict)
     joint_hash: str = ""
+    own_lateness: float = 0.0
 
 
 def measure(seconds: float, repeats: int, say: Callable[[str], None]) -> Costs:
@@ -64,6 +67,7 @@ def measure(seconds: float, repeats: int, say: Callable[[str], None]) -> Costs:
         say("in real time")
         for name, placement in PLACEMENTS.items():
             costs.paced[name] = listener.run(TICK, *options, "--realtime", *placement)
+        costs.own_lateness = own_lateness(TICK, 0.5, ticks)
     finally:
         listener.close()
     return costs
@@ -138,7 +142,7 @@ def as_numbers(costs: Costs) -> dict[str, Any]:
             "memory": runs[-1].memory,
             "messaging": messaging_share(runs, costs.nodes),
         }
-    return {"rows": rows, "nodes": node_table(costs)}
+    return {"rows": rows, "nodes": node_table(costs), "machine": {"lateness_p99": costs.own_lateness}}
 
 
 def _row(wall: float, bare: float, cpu: float) -> dict[str, Any]:
@@ -176,4 +180,6 @@ def table(costs: Costs) -> str:
         lines.append(f"  {name:<24}{row['component'] * 1e6:>10.0f}{row['process'] * 1e6:>9.0f}{size:>11.0f}")
     composed = numbers["rows"]["composed"]["memory"].get("composed", 0) / 1e6
     lines.append(f"  {'composed':<24}{'':>10}{'':>9}{composed:>11.0f}")
+    late = numbers["machine"]["lateness_p99"] * 1e3
+    lines.append(f"\n  a loop that only computes for half of each tick is late by {late:.1f} ms (99 %)")
     return "\n".join(lines)
