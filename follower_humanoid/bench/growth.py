@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
-from typing import IO
 
 from follower_humanoid.bench.check import Check, at_most
 from follower_humanoid.bench.placement import cpu_of_children, memory_of_children
@@ -21,6 +20,7 @@ from follower_humanoid.resources import node_command
 FOLLOWERS = (1, 2, 4)
 MINUTES = (1, 10, 60)
 _LOOK = 1.0  # wall time between two looks [s]
+_LAST_LINES = 12  # of what a follower said, where it did not end well
 _SETTLED = 60.0  # simulated time after which memory stays [s]
 _FLAT, _LINEAR, _MEMORY = 1.1, 1.15, 1.03
 _LINE = re.compile(r"t = ([0-9.]+) s")
@@ -77,7 +77,8 @@ def run(followers: int, seconds: float) -> list[Course]:
         programme = Path(folder) / "walk.yaml"
         programme.write_text(_walk(seconds), encoding="utf-8")
         options = ["--leader", str(programme), "--duration", f"{seconds:g}", "--bag", "none", "--composed"]
-        files = [(Path(folder) / f"out{n}").open("w+") for n in range(followers)]
+        paths = [Path(folder) / f"out{n}" for n in range(followers)]
+        files = [path.open("w") for path in paths]
         processes = [
             subprocess.Popen(
                 [*node_command("bringup"), *options, "--namespace", f"follower_{n}"],
@@ -91,17 +92,20 @@ def run(followers: int, seconds: float) -> list[Course]:
         try:
             while any(process.poll() is None for process in processes):
                 time.sleep(_LOOK)
-                for process, file, course in zip(processes, files, courses, strict=True):
-                    _look(process.pid, file, course)
+                for process, path, course in zip(processes, paths, courses, strict=True):
+                    _look(process.pid, path.read_text(encoding="utf-8"), course)
         finally:
             for process, file in zip(processes, files, strict=True):
                 if process.poll() is None:
                     process.terminate()
                     process.wait()
                 file.close()
-    for process in processes:
-        if process.returncode:
-            raise FollowerError(f"one of {followers} followers ended with status {process.returncode}")
+        for process, path in zip(processes, paths, strict=True):
+            if process.returncode:
+                said = path.read_text(encoding="utf-8").splitlines()[-_LAST_LINES:]
+                raise FollowerError(
+                    f"one of {followers} followers ended with status {process.returncode}: {' | '.join(said)}"
+                )
     return courses
 
 
@@ -115,10 +119,9 @@ def _walk(seconds: float) -> str:
     return "".join(lines)
 
 
-def _look(pid: int, file: IO[str], course: Course) -> None:
+def _look(pid: int, said: str, course: Course) -> None:
     memory, cpu = sum(memory_of_children(pid, "Pss_Anon").values()), cpu_of_children(pid)
-    file.seek(0)
-    times = _LINE.findall(file.read())
+    times = _LINE.findall(said)
     if times and memory and (not course.simulated or float(times[-1]) > course.simulated[-1]):
         course.wall.append(time.monotonic())
         course.cpu.append(cpu)

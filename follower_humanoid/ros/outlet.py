@@ -156,7 +156,7 @@ class Outlet:
             node.bus.post(node.wiring.name, tick, samples, messages)
         for topic, message in messages.items():
             self._heard[topic].publish(message)
-        self._exhibit.show(samples, tick, stamp)
+        self._exhibit.show(samples, stamp)
         if self._absent_heard:
             for topic, sample in samples.items():
                 if sample is None and topic in _READ_BY_NODES:
