@@ -70,8 +70,8 @@ def test_nothing_is_shown_while_nobody_looks():
 
 
 def test_what_is_published_on_change_stays_to_be_seen():
-    looks = 40
-    times = iter(np.linspace(7.0, 7.0 + 2.01 * EVERY, looks).tolist())
+    looks = 41
+    times = iter((7.0 + 0.0501 * EVERY * np.arange(looks)).tolist())
     shown, shelf = exhibit(lambda: next(times))
     shelf.watchers = 1
     shown.look()
