@@ -157,3 +157,13 @@ def node(name: str, env: dict[str, str], args: Sequence[str] = ()) -> subprocess
 def script(text: str, env: dict[str, str]) -> subprocess.Popen[bytes]:
     """A user's own little program."""
     return subprocess.Popen([sys.executable, "-c", text], env=env)
+
+
+@contextmanager
+def beside(process: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]:
+    """Something that runs beside a bringup, and is ended in any case."""
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()

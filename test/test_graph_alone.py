@@ -1,7 +1,7 @@
 """Two robots under the same names: the second one is refused, and the first one does not notice."""
 
 import pytest
-from graph_bench import PATIENCE, bringup, environment, node
+from graph_bench import PATIENCE, beside, bringup, environment, node
 
 pytestmark = pytest.mark.timeout(300)
 OPTIONS = ("--composed", "--leader", "none", "--bag")
@@ -34,12 +34,8 @@ def test_of_two_robots_that_are_started_together_one_is_refused(tmp_path):
 def test_a_name_that_a_node_started_by_hand_has_is_taken(tmp_path, name):
     with bringup(tmp_path, *OPTIONS, "bag") as first:
         first.wait_until_it_runs()
-        by_hand = node(name, first.environment)
-        try:
+        with beside(node(name, first.environment)) as by_hand:
             assert by_hand.wait(PATIENCE) == 2
-        finally:
-            by_hand.kill()
-            by_hand.wait()
         assert first.process.poll() is None, first.complained
 
 

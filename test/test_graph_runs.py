@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from graph_bench import PATIENCE, bringup, node, processes_of, run, script, wait_until
+from graph_bench import PATIENCE, beside, bringup, node, processes_of, run, script, wait_until
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.simulate import simulate
@@ -170,12 +170,8 @@ def test_a_person_can_push_the_base(place, leader):
     # Never faster than real time, and as long as it takes until the two have found each other.
     options = ("--leader", leader, "--duration", "80", "--realtime", "--composed", "--bag", str(bag))
     with bringup(place, *options) as running:
-        person = script(PUSH, running.environment)
-        try:
+        with beside(script(PUSH, running.environment)) as person:
             assert person.wait(PATIENCE) == 0
-        finally:
-            person.kill()
-            person.wait()
         running.end()
         assert running.process.returncode == 0, running.complained
     pushed = (recorded(bag)["base/applied"].force == [0.0, 3.5, 0.0]).all(axis=1)
@@ -203,12 +199,8 @@ def test_a_joystick_can_take_the_place_of_gait_mapping(place):
     options = ("--leader", "none", "--without", "gait_mapping", "--duration", "1", "--composed")
     with bringup(place, *options, "--bag", str(bag)) as running:
         time.sleep(1.0)
-        joystick = script(GAIT, running.environment)
-        try:
+        with beside(script(GAIT, running.environment)):
             assert running.wait() == 0, running.complained
-        finally:
-            joystick.kill()
-            joystick.wait()
     reference = recorded(bag)["motion/reference"].position
     assert np.ptp(reference, axis=0).max() > 0.01  # it moves for the first step
 
@@ -228,13 +220,9 @@ rclpy.spin(node)
 def test_a_filter_can_be_put_between_two_nodes_by_a_remap(place, separate, placement):
     bag = place / f"filtered{len(placement)}"
     options = ("--leader", "pull.yaml", "--duration", "0.2", "--bag", str(bag), *placement)
-    with bringup(place, *options, "--ros-args", "-r", "wrench_sensing:odom:=odom_filtered") as running:
-        between = script(FILTER, running.environment)
-        try:
-            assert running.wait() == 0, running.complained
-        finally:
-            between.kill()
-            between.wait()
+    remap = ("--ros-args", "-r", "wrench_sensing:odom:=odom_filtered")
+    with bringup(place, *options, *remap) as running, beside(script(FILTER, running.environment)):
+        assert running.wait() == 0, running.complained
     ours, theirs = separate[1]["joint_states"].position, recorded(bag)["joint_states"].position
     assert ours[:101].tobytes() == theirs.tobytes()
 

@@ -9,8 +9,9 @@ from bullet_reference import STEP, Reference
 from plant_bench import plant, robot
 
 from follower_humanoid.errors import ConfigurationError, PhysicsError
-from follower_humanoid.plant import bullet_kernels, bullet_library
+from follower_humanoid.plant import bullet_kernels
 from follower_humanoid.plant.bullet_client import BulletClient
+from follower_humanoid.plant.bullet_library import library
 from follower_humanoid.plant.plant_urdf import bullet_body
 from follower_humanoid.plant.world import Ground, GroundConfig, World
 
@@ -150,9 +151,9 @@ def test_others_do_not_get_its_copies_of_libraries():
 )
 def test_without_pybullet_or_with_another_one_it_says_so(monkeypatch, found, words):
     spec = None if found is None else type("Spec", (), {"origin": found})
-    monkeypatch.setattr(bullet_library.importlib.util, "find_spec", lambda name: spec)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: spec)
     with pytest.raises(ConfigurationError, match=words):
-        bullet_library.library.__wrapped__()
+        library.__wrapped__()
 
 
 def test_a_client_can_be_closed_twice():

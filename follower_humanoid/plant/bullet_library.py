@@ -106,7 +106,7 @@ def external(name: str, result: Any, *arguments: Any) -> Callable[..., Any]:
         result, arguments: Types, as in `FUNCTIONS`.
     """
     function = _declare(library(), name, result, arguments)
-    if getattr(config, "DISABLE_JIT"):  # noqa: B009
+    if vars(config)["DISABLE_JIT"]:
         return lambda *values: function(*(v.item() if isinstance(v, np.generic) else v for v in values)) or 0
     # Each by its name: opened to the process as a whole, the library would lend others its own copies of
     # tinyxml2 and of parts of the C++ library.

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import yaml
@@ -54,22 +55,20 @@ class BringupRun:
         """Runs to the end; returns the exit status."""
         choose_network(self._plan.options.open)
         arguments = self._ros_arguments()
-        try:
-            import_components()
-            self._fork_nodes([*arguments, "--params-file", str(self._parameter_file)])
-            start_ros(arguments)
-            self._director = director = Director()
-            with Claim(director.domain, director.namespace, self._claimed):
-                try:
-                    return self._start_and_watch(arguments)
-                finally:
-                    self._crew.kill()
-        finally:
-            self._crew.kill()
-            if ok():
-                self._director.close()
-            try_shutdown()
-            shutil.rmtree(self._folder, ignore_errors=True)
+        with ExitStack() as names:  # ours until the last node has ended
+            try:
+                import_components()
+                self._fork_nodes([*arguments, "--params-file", str(self._parameter_file)])
+                start_ros(arguments)
+                self._director = director = Director()
+                names.enter_context(Claim(director.domain, director.namespace, self._claimed))
+                return self._start_and_watch()
+            finally:
+                self._crew.kill()
+                if ok():
+                    self._director.close()
+                try_shutdown()
+                shutil.rmtree(self._folder, ignore_errors=True)
 
     @property
     def _claimed(self) -> list[str]:
@@ -81,7 +80,7 @@ class BringupRun:
         remap = ["-r", f"__ns:=/{namespace}"] if namespace else []
         return ["--ros-args", *remap, *self._plan.ros_args]
 
-    def _start_and_watch(self, arguments: list[str]) -> int:
+    def _start_and_watch(self) -> int:
         plan, director = self._plan, self._director
         director.spin(_LOOK_AROUND)
         self._refuse_company(0)
