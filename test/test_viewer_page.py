@@ -1,5 +1,6 @@
 """The page in a real browser: what it shows, what can be done on it, and what happens when it goes."""
 
+import dataclasses
 import threading
 import time
 
@@ -20,7 +21,9 @@ from follower_humanoid.viewer.page import Page
 from follower_humanoid.viewer.skeleton import Skeleton
 
 pytestmark = needs_browser
-CONFIG = ViewerConfig(port=0, shadows=False, rate=10.0, pull=PullConfig(patience=1.2))
+# So long that a busy machine, which draws a picture in seconds, does not let go by itself.
+CONFIG = ViewerConfig(port=0, shadows=False, rate=10.0, pull=PullConfig(patience=40.0))
+HASTY = dataclasses.replace(CONFIG, pull=PullConfig(patience=3.0))
 STANDING = np.zeros(45)
 LINKS = {name: kind.links for name, kind in copies(RobotModel().urdf).items()}
 
@@ -45,10 +48,10 @@ def posture(robot: RobotModel, position=STANDING, base=(0.0, 0.0, 0.91), quat=(0
 class Shown:
     """A page that is drawn over and over, as the node draws it."""
 
-    def __init__(self, robot: RobotModel) -> None:
+    def __init__(self, robot: RobotModel, config: ViewerConfig = CONFIG) -> None:
         self.pushes: list[np.ndarray] = []
         self.resets = 0
-        self.page = Page(CONFIG, Skeleton(robot.urdf), self.pushes.append, self.reset)
+        self.page = Page(config, Skeleton(robot.urdf), self.pushes.append, self.reset)
         self.moment = posture(robot)
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._draw)
@@ -148,18 +151,24 @@ def test_a_dragged_handle_pulls_level_within_the_limit_until_released(shown, bro
     assert abs(force[2]) < 0.5
     assert np.linalg.norm(force) <= CONFIG.pull.limit + 1e-6
     browser.release()
-    browser.wait(lambda: shown.force() is None, 5.0)
+    browser.wait(lambda: shown.force() is None, CONFIG.pull.patience / 2)
 
 
-def test_a_page_that_hangs_lets_go(shown, browser):
-    browser.grab("/world/handles/left_hand", (60, 0))
-    browser.wait(lambda: shown.force() is not None)
-    browser.script("setTimeout(() => { const end = Date.now() + 3500; while (Date.now() < end); }, 0)")
-    begin = time.monotonic()
-    while shown.force() is not None:
-        assert time.monotonic() - begin < CONFIG.pull.patience + 2.0
-        time.sleep(0.05)
-    browser.release()
+def test_a_page_that_hangs_lets_go(robot, browser):
+    shown = Shown(robot, HASTY)
+    try:
+        with browser.second_window():
+            browser.open(shown.page.address)
+            browser.grab("/world/handles/left_hand", (60, 0))
+            browser.wait(lambda: shown.force() is not None)
+            with browser.hanging():
+                end = time.monotonic() + 15.0  # its connection stays: nothing else can have let go
+                while shown.force() is not None:
+                    assert time.monotonic() < end
+                    time.sleep(0.05)
+            browser.release()
+    finally:
+        shown.close()
 
 
 def test_keys_push_and_reset(shown, browser):
@@ -180,13 +189,15 @@ def test_legs_are_of_glass_until_a_key_makes_them_solid(shown, browser):
     browser.wait(lambda: browser.opacity("/world/robot/box_below_knee") < 1.0)
 
 
-def test_sliders_work_by_keyboard_and_the_button_lets_go(shown, browser):
+def test_sliders_work_by_keyboard_and_the_button_lets_go(shown, browser, monkeypatch):
     sliders = browser.driver.find_elements("css selector", "[role=slider]")
     sliders[0].send_keys("\ue014")  # the right arrow
     force = browser.wait(lambda: (f := shown.force()) is not None and [f])[0]
     np.testing.assert_allclose(force, [0.5, 0.0, 0.0], atol=1e-9)
-    time.sleep(CONFIG.pull.patience + 0.5)  # its signs of life hold it
-    assert shown.force() is not None
+    signs_of_life: list[int] = []
+    monkeypatch.setattr(shown.page.hands, "heard", lambda page, now: signs_of_life.append(page))
+    browser.wait(lambda: len(signs_of_life) > 1)
+    assert set(signs_of_life) == shown.page.hands.pages()
     browser.driver.find_element("xpath", "//button[contains(., 'Let go')]").click()
     browser.wait(lambda: shown.force() is None)
     browser.wait(lambda: sliders[0].get_attribute("aria-valuenow") == "0")
@@ -197,7 +208,7 @@ def test_closing_the_page_in_the_middle_of_a_drag_lets_go(shown, browser):
         browser.open(shown.page.address)
         browser.grab("/world/handles/left_hand", (50, 0))
         browser.wait(lambda: shown.force() is not None)
-    browser.wait(lambda: shown.force() is None, 3.0)
+    browser.wait(lambda: shown.force() is None, CONFIG.pull.patience / 2)
     assert all(not shown.page.hands.held(side) for side in SIDES)
 
 

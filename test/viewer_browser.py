@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -69,6 +71,7 @@ const area = canvas.getBoundingClientRect();
 return [area.left + area.width * (place.x + 1) / 2, area.top + area.height * (1 - place.y) / 2];"""
 
 
+PATIENCE = 120.0  # a busy machine draws a picture in seconds [s]
 _HARMLESS = "passive event listener"  # of the slider's own key handling
 
 
@@ -82,7 +85,7 @@ class Browser:
             options.add_argument(flag)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver: Any = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
-        self.driver.set_script_timeout(120)  # a busy machine draws a picture in seconds
+        self.driver.set_script_timeout(PATIENCE)
 
     def open(self, address: str) -> None:
         """Loads a viewer's page; returns once the robot is there."""
@@ -93,7 +96,7 @@ class Browser:
     def script(self, text: str, *arguments: Any) -> Any:
         return self.driver.execute_script(text, *arguments)
 
-    def wait(self, met: Callable[[], Any], limit: float = 30.0, what: str = "") -> Any:
+    def wait(self, met: Callable[[], Any], limit: float = PATIENCE, what: str = "") -> Any:
         """Polls until something is true."""
         deadline = time.monotonic() + limit
         while not (value := met()):
@@ -147,6 +150,21 @@ class Browser:
             self.driver.switch_to.window(first)
 
     @contextmanager
+    def hanging(self) -> Iterator[None]:
+        """The page does nothing at all: what draws it and runs its scripts is stopped."""
+        renderers = [
+            pid for pid, words in _below(self.driver.service.process.pid) if b"--type=renderer" in words
+        ]
+        assert renderers
+        for pid in renderers:
+            os.kill(pid, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            for pid in renderers:
+                os.kill(pid, signal.SIGCONT)
+
+    @contextmanager
     def phone(self, width: int, height: int) -> Iterator[None]:
         """The page as a phone shows it."""
         metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": True}
@@ -167,3 +185,19 @@ class Browser:
 
     def close(self) -> None:
         self.driver.quit()
+
+
+def _below(ancestor: int) -> list[tuple[int, bytes]]:
+    """Process ids and command lines of everything that a process and those it started have started."""
+    parents: dict[int, int] = {}
+    words: dict[int, bytes] = {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            stat, words[int(entry.name)] = (entry / "stat").read_text(), (entry / "cmdline").read_bytes()
+        except OSError:  # gone meanwhile
+            continue
+        parents[int(entry.name)] = int(stat.rpartition(")")[2].split()[1])
+    found = [ancestor]
+    for pid in found:  # grows meanwhile
+        found += [child for child, parent in parents.items() if parent == pid]
+    return [(pid, words[pid]) for pid in found[1:]]
