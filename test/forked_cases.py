@@ -105,3 +105,22 @@ def test_it_obeys_sigterm_although_its_parent_handles_it_otherwise():
         assert process.wait() == -signal.SIGTERM
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+def test_whoever_forks_knows_when_all_have_prepared_and_come_to_the_gate(tmp_path):
+    asked, prepared = tmp_path / "asked", tmp_path / "prepared"
+
+    def prepare():
+        while not asked.exists():
+            time.sleep(0.01)
+        prepared.touch()
+
+    gate = Gate()
+    both = [Forked(COMMAND, lambda: 0, {}, gate, prepare), forked(lambda: 0, gate)]
+    assert not gate.all_wait
+    asked.touch()
+    while not gate.all_wait:
+        time.sleep(0.01)
+    assert prepared.exists()
+    gate.open()
+    assert [process.wait() for process in both] == [0, 0]

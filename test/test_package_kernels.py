@@ -16,7 +16,7 @@ FILES = [
 
 def is_kernel(node: ast.AST) -> bool:
     return isinstance(node, ast.FunctionDef) and any(
-        isinstance(mark, ast.Call) and getattr(mark.func, "id", "") == "kernel"
+        getattr(getattr(mark, "func", mark), "id", "") in {"kernel", "kernel_part"}
         for mark in node.decorator_list
     )
 

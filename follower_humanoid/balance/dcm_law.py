@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import GRAVITY
 
@@ -37,7 +37,7 @@ class SoleConfig:
     friction: float = parameter(0.6, "largest tangential force as part of the normal force", "", 0.05, 2)
 
 
-@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64, float64)")
+@kernel_part
 def measured_dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega: float) -> Array:
     """ξ = (c + ċ/ω + γ)/κ: the DCM with what the hands do taken in, shape (2,) [m].
 
@@ -52,7 +52,7 @@ def measured_dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega:
     return dcm
 
 
-@kernel("float64[::1](float64[::1], float64[::1], float64[::1], float64, float64)")
+@kernel_part
 def desired_zmp(dcm: Array, dcm_plan: Array, zmp_plan: Array, omega: float, gain: float) -> Array:
     """p = p_plan + (1 + k/ω)(ξ − ξ_plan): the DCM error decays as e^{−kt}; before any limit, shape (2,) [m].
 
@@ -68,10 +68,7 @@ def desired_zmp(dcm: Array, dcm_plan: Array, zmp_plan: Array, omega: float, gain
     return zmp
 
 
-@kernel(
-    "float64[::1](float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], float64[::1],"
-    " float64[::1], float64[::1], float64, float64, float64, float64, float64)"
-)
+@kernel_part
 def desired_force(
     com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array, zmp: Array, turning: Array,
     gamma: Array, hands: Array, kappa: float, stiffness: float, mass: float,
@@ -101,14 +98,14 @@ def desired_force(
     return force
 
 
-@kernel("UniTuple(float64, 2)(float64[:,:])")
+@kernel_part
 def ahead_of(rotation: Array) -> tuple[float, float]:
     """Direction of a sole over the ground, of length 1."""
     length = max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
     return rotation[0, 0] / length, rotation[1, 0] / length
 
 
-@kernel("UniTuple(float64, 2)(float64, float64, float64[::1], float64, float64, float64, float64, float64)")
+@kernel_part
 def nearest_in_sole(
     x: float, y: float, position: Array, c: float, s: float, back: float, front: float, side: float
 ) -> tuple[float, float]:
@@ -176,9 +173,7 @@ def shared(
     return best
 
 
-@kernel(
-    "void(float64, float64[::1], float64[::1], float64, float64[::1], float64[:,:], float64, float64[:,::1])"
-)
+@kernel_part
 def wrench_in_sole(
     share: float, point: Array, force: Array, yaw_moment: float,
     position: Array, rotation: Array, friction: float, wrench: Array,

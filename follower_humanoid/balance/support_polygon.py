@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import Indices
 
@@ -18,7 +18,7 @@ def turn(points: Array, a: int, b: int, c: int) -> float:
     return float(abx * (points[c, 1] - points[a, 1]) - aby * (points[c, 0] - points[a, 0]))
 
 
-@kernel("float64[:,::1](float64[:,:])")
+@kernel_part
 def in_order(points: Array) -> Array:
     """Points by x, then by y, each once: what the hull goes along."""
     ordered = points.copy()

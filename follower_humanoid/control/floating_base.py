@@ -12,13 +12,13 @@ import math
 
 import numpy as np
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.errors import PhysicsError
 from follower_humanoid.robot.model import BASE_DOF, Indices
 
 
-@kernel("void(float64[::1,:], float64[::1])")
+@kernel_part
 def _solve_base_rows(mass_matrix: Array, x: Array) -> None:
     """Makes x the solution of `M_bb solution = x`, by `M_bb = Uᵀ U` of its upper triangle."""
     upper = np.zeros((BASE_DOF, BASE_DOF))

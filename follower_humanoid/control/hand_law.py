@@ -17,7 +17,7 @@ from follower_humanoid.control.arm_config import ArmControllerConfig
 from follower_humanoid.control.hand_reference import HandReference
 from follower_humanoid.control.hand_task import HandMotion, Mask
 from follower_humanoid.control.impedance import Impedance
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 
 
@@ -65,10 +65,7 @@ class HandLaw:
         return demand
 
 
-@kernel(
-    "(float64[:,::1], float64[:,::1], float64[:,::1], float64, float64, float64[::1], float64[::1],"
-    " boolean[::1])"
-)
+@kernel_part
 def return_velocity(
     error: Array, error_rate: Array, stretch: Array, proportional: float, differential: float,
     stiffness: Array, limit: Array, stopped: Mask,
@@ -105,7 +102,7 @@ def return_velocity(
     return velocity
 
 
-@kernel("(float64[:,::1], float64[:,::1], float64, float64, float64)")
+@kernel_part
 def range_force(error: Array, error_rate: Array, reach: float, stiffness: float, mass: float) -> Array:
     """Force that keeps a hand within a ball around its place: a soft wall, critically damped outwards.
 

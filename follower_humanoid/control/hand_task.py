@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import SIDES, Array
 from follower_humanoid.robot.model import Indices, RobotModel
 from follower_humanoid.robot.placed_frames import PlacedFrames
@@ -80,7 +80,7 @@ def unwritten_motion() -> HandMotion:
     )  # fmt: skip
 
 
-@kernel("float64(float64[:,::1], float64[::1], float64[:,::1])")
+@kernel_part
 def _yaw(base_axes: Array, v: Array, rotation: Array) -> float:
     """The rate of the base's yaw [rad/s]; writes the rotation about z by it, (3, 3).
 
@@ -101,7 +101,7 @@ def _yaw(base_axes: Array, v: Array, rotation: Array) -> float:
     return rate
 
 
-@kernel("void(float64[::1,:], intp, float64[::1], float64[::1])")
+@kernel_part
 def _twist_at(world_jacobian: Array, column: int, position: Array, twist: Array) -> None:
     """A column of the world Jacobian is a twist (u, w) at the origin of world: (u + w × p, w) at p."""
     for row in range(6):
@@ -111,7 +111,7 @@ def _twist_at(world_jacobian: Array, column: int, position: Array, twist: Array)
     twist[2] += twist[3] * position[1] - twist[4] * position[0]
 
 
-@kernel("void(float64[:,::1], float64[::1], float64[::1])")
+@kernel_part
 def _turn_back(rotation: Array, vector: Array, result: Array) -> None:
     """`Rᵀ x`."""
     for row in range(3):
@@ -120,7 +120,7 @@ def _turn_back(rotation: Array, vector: Array, result: Array) -> None:
             result[row] += rotation[column, row] * vector[column]
 
 
-@kernel("void(float64[:,::1], float64[:,::1], float64[:,::1])")
+@kernel_part
 def _turn_jacobian_back(rotation: Array, linear: Array, result: Array) -> None:
     """`Rᵀ J`; of `linear` the first three rows."""
     for axis in range(3):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 
 
@@ -47,7 +47,7 @@ class Impedance:
         return total
 
 
-@kernel("(float64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1])")
+@kernel_part
 def impedance_acceleration(inertia: Array, jacobian: Array, inverse: Array, force: Array) -> Array:
     """Joint acceleration by which a force moves the hand as if it had the mass H_m.
 
@@ -83,7 +83,7 @@ def impedance_acceleration(inertia: Array, jacobian: Array, inverse: Array, forc
     return acceleration
 
 
-@kernel("(float64[:,:,::1], float64[:,::1], float64[:,::1], float64, float64)")
+@kernel_part
 def posture_acceleration(
     null: Array, velocity_error: Array, posture_error: Array, stiffness: float, damping: float
 ) -> Array:
@@ -109,7 +109,7 @@ def posture_acceleration(
     return acceleration
 
 
-@kernel("(float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64, float64)")
+@kernel_part
 def stop_avoidance(
     position: Array, velocity: Array, lower: Array, upper: Array, stiffness: float, damping: float
 ) -> Array:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 
 # Each sweep squares what is left off the diagonal; a 3 × 3 matrix is diagonal to rounding after five.
@@ -29,7 +29,7 @@ class TaskInverse(NamedTuple):
     null: Array
 
 
-@kernel("(float64[:,::1], float64[:,::1])")
+@kernel_part
 def _diagonalise(matrix: Array, vectors: Array) -> None:
     """Turns a symmetric matrix into its eigenvalues and `vectors` into its eigenvectors (columns).
 
@@ -64,7 +64,7 @@ def _diagonalise(matrix: Array, vectors: Array) -> None:
             break
 
 
-@kernel("void(float64[:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1])")
+@kernel_part
 def _damped_square(
     jacobian: Array, threshold: float, damping: float, squared: Array, left: Array, inverse: Array
 ) -> None:

@@ -2,7 +2,7 @@
 
 A kernel is an ordinary function of numbers and contiguous arrays, compiled by Numba when its module is
 imported and kept on disk for the next time. No fast-math: a result does not depend on where it is computed.
-A kernel calls kernels of its own file only, and functions of C libraries whose types that file says: the copy
+A kernel calls functions of its own file only, and those of C libraries whose types that file says: the copy
 on disk is renewed when the file changes, and would not notice a change elsewhere.
 """
 
@@ -27,3 +27,8 @@ def kernel(signature: str) -> Callable[[Function], Function]:
         return cast(Function, numba.njit(signature, cache=True, error_model="numpy")(function))
 
     return compiled
+
+
+def kernel_part(function: Function) -> Function:
+    """Marks a function that only kernels of its file call: it is compiled and loaded as part of them."""
+    return cast(Function, numba.njit(error_model="numpy")(function))

@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 
 
-@kernel("float64[:,::1](float64[::1], float64[::1], float64[::1], float64[::1], float64, float64)")
+@kernel_part
 def along_quintic(
     position: Array, velocity: Array, acceleration: Array, target: Array, T: float, t: float
 ) -> Array:
@@ -46,7 +46,7 @@ def along_quintic(
 GENTLY = 0.2  # a stop takes at least this times the speed: some 10 m/s² [s²/m], [s²/rad]
 
 
-@kernel("float64(float64[::1], float64[::1], float64[::1], float64[::1], float64)")
+@kernel_part
 def time_not_beyond(position: Array, velocity: Array, acceleration: Array, target: Array, T: float) -> float:
     """The time T, or less where the quintic of `along_quintic` would go beyond its target and come back.
 

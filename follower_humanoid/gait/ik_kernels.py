@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.errors import PhysicsError
 from follower_humanoid.robot.model import BASE_DOF, Indices
@@ -40,10 +40,7 @@ def turn_to(wanted: Array, now: Array) -> tuple[float, float, float]:
     return scale * x, scale * y, scale * z
 
 
-@kernel(
-    "void(float64[::1], float64[:,:], float64[::1], float64[::1], float64[:,::1], float64, float64,"
-    " float64[::1])"
-)
+@kernel_part
 def foot_rates(
     position: Array, rotation: Array, linear: Array, angular: Array,
     now: Array, gain: float, fastest: float, rates: Array,
@@ -64,10 +61,7 @@ def foot_rates(
         rates[3 + i] = angular[i] + gain * turn[i]
 
 
-@kernel(
-    "void(float64[::1], float64[::1], float64, float64, float64[:,:], float64[::1], float64[::1],"
-    " float64[:,::1], float64, float64, float64[::1])"
-)
+@kernel_part
 def body_rates(
     com: Array, com_velocity: Array, height: float, height_velocity: float, rotation: Array, angular: Array,
     com_now: Array, now: Array, com_gain: float, pelvis_gain: float, rates: Array,
@@ -120,10 +114,7 @@ def task_rates(
     )  # fmt: skip
 
 
-@kernel(
-    "void(float64[::1,:], float64[::1], int64[::1], int64[::1], float64[::1], int64, float64[:,::1],"
-    " float64[::1])"
-)
+@kernel_part
 def add_sole(
     jacobian: Array, origin: Array, moving: Indices, number: Indices,
     v: Array, row: int, columns: Array, rates: Array,
@@ -152,7 +143,7 @@ def add_sole(
                 rates[row + i] -= effect * v[joint]
 
 
-@kernel("float64[:,::1](float64[:,::1], float64)")
+@kernel_part
 def damped_normal(columns: Array, damping: float) -> Array:
     """J Jᵀ + λ²I, its lower triangle; many entries of J are zero.
 
@@ -172,7 +163,7 @@ def damped_normal(columns: Array, damping: float) -> Array:
     return normal
 
 
-@kernel("void(float64[:,::1], float64[::1])")
+@kernel_part
 def solve_cholesky(matrix: Array, x: Array) -> None:
     """x with `matrix @ x = r` for a positive definite matrix, by Cholesky; overwrites both.
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.plant.bullet_library import external
 
@@ -133,10 +133,7 @@ def link_on(client: int, ground: int, body: int) -> int:
     return NO_LINK
 
 
-@kernel(
-    "boolean(UniTuple(float64, 3), UniTuple(float64, 4), UniTuple(float64, 3), UniTuple(float64, 3), "
-    "float64[::1], float64[::1], float64[::1], float64[::1], float64[:,::1], float64[:,::1])"
-)
+@kernel_part
 def base_state(
     position: Triple, quat: tuple[float, ...], linear: Triple, spin: Triple, center: Array, turn: Array,
     q: Array, v: Array, rotation: Array, base: Array,

@@ -5,15 +5,12 @@ Poses are given as in `robot.pose_table`: rows 0 to 2 the axes of a frame in wor
 
 from __future__ import annotations
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import Indices
 
 
-@kernel(
-    "void(float64[::1], float64[::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[::1], float64, "
-    "float64[::1], float64[::1])"
-)
+@kernel_part
 def mean_acceleration(
     v_before: Array, v: Array, base_before: Array, base: Array, rotation: Array, gravity: Array, step: float,
     acceleration: Array, specific_force: Array,
@@ -47,10 +44,7 @@ def mean_acceleration(
             specific_force[axis] -= rotation[row, axis] * gravity[row]
 
 
-@kernel(
-    "void(float64[:,::1], float64[::1,:], int64[::1], float64[::1], float64[::1], float64, float64[::1], "
-    "float64[:,::1], float64[::1])"
-)
+@kernel_part
 def add_joint_force(
     pose: Array, twists: Array, columns: Indices, acceleration: Array, bias: Array,
     mass: float, lever: Array, inertia: Array, total: Array,
@@ -130,9 +124,7 @@ def add_step(
         )  # fmt: skip
 
 
-@kernel(
-    "void(float64[:,::1], float64[:,::1], float64[::1], float64[::1], float64, float64[::1], float64[::1])"
-)
+@kernel_part
 def seen_from(
     pose: Array, axes: Array, offset: Array, total: Array, count: float, force: Array, torque: Array
 ) -> None:

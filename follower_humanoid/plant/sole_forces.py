@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import Indices
 
@@ -48,7 +48,7 @@ def place(poses: Array, joints: Indices, local: Array, points: Array) -> None:
             )
 
 
-@kernel("void(float64[::1], float64[::1,:], boolean[::1], float64[:,::1])")
+@kernel_part
 def point_jacobian(point: Array, twists: Array, carried: Flags, jacobian: Array) -> None:
     """Writes the velocity of a point per velocity of each column: v + ω × x of the column's twist.
 
@@ -77,7 +77,7 @@ def along(jacobian: Array, values: Array, product: Array) -> None:
         product[axis] = total
 
 
-@kernel("void(float64, float64, float64, float64, float64[::1])")
+@kernel_part
 def slide(friction: float, normal: float, spring_x: float, spring_y: float, slip: Array) -> None:
     """Writes the friction of a slipping point, (2,): μ f_n along its spring."""
     length = max(math.sqrt(spring_x * spring_x + spring_y * spring_y), 1e-12)

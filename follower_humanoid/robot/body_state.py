@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import BASE_DOF, Indices, RobotModel
 from follower_humanoid.robot.pose_table import pose_table, velocity_table
@@ -55,7 +55,7 @@ class BodyState:
             _write_twists(self._joints, self._velocities, self._carriers, self._offsets, self.twists)
 
 
-@kernel("void(float64[:,::1], float64, float64, float64, float64[::1])")
+@kernel_part
 def _turn(axes: Array, x: float, y: float, z: float, result: Array) -> None:
     """Writes a vector x, y, z that is given along three axes; sums go as in Pinocchio."""
     for row in range(2):

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import Indices, RobotModel
 from follower_humanoid.robot.pose_table import pose_table
@@ -59,7 +59,7 @@ class PlacedFrames:
         )  # fmt: skip
 
 
-@kernel("void(float64[:,::1], float64[::1], float64[::1])")
+@kernel_part
 def _along(axes: Array, vector: Array, result: Array) -> None:
     """Writes a vector given along three axes, of which each is a row."""
     for row in range(3):

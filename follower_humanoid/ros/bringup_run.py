@@ -28,6 +28,7 @@ from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.spin import StopSignal, start_ros
 from follower_humanoid.ros.status import StatusLine, summary_text
 from follower_humanoid.ros.transport import choose_network
+from follower_humanoid.ros.type_support import load_type_support
 
 COMPOSED = "composed"
 _LONGEST_START = 60.0
@@ -57,7 +58,7 @@ class BringupRun:
         arguments = self._ros_arguments()
         with ExitStack() as names:  # ours until the last node has ended
             try:
-                import_components()
+                load_type_support()
                 self._fork_nodes([*arguments, "--params-file", str(self._parameter_file)])
                 start_ros(arguments)
                 self._director = director = Director()
@@ -89,8 +90,7 @@ class BringupRun:
             about.write_text(yaml.safe_dump(plan.about, allow_unicode=True), encoding="utf-8")
             plan.parameters[RECORDER]["about"] = str(about)
         self._parameter_file.write_text(plan.parameter_file(director.namespace), encoding="utf-8")
-        self._crew.begin()
-        end = self._lead_to_activity()
+        end = self._await_crew() or self._lead_to_activity()
         self._active_since = time.monotonic()
         while end is None:
             director.spin(0.05)
@@ -107,11 +107,18 @@ class BringupRun:
         return None if lost is None else End(Outcome.LOST, lost)
 
     def _fork_nodes(self, arguments: list[str]) -> None:
-        """Before ROS runs in this process; they wait for their parameters."""
+        """Before ROS runs in this process; they wait for their parameters.
+
+        What all of them need is imported here, what one of them needs is imported there: meanwhile ROS
+        starts here.
+        """
         plan = self._plan
+        if not plan.options.composed:
+            import_components()
         BORN_WITH.lay(line_pairs(plan.nodes, plan.options.composed, plan.options.bag is not None))
         if plan.options.composed:
-            self._crew.fork(COMPOSED, ["--nodes", ",".join(plan.nodes), *arguments], plan.nodes)
+            nodes = ["--nodes", ",".join(plan.nodes)]
+            self._crew.fork(COMPOSED, [*nodes, *arguments], plan.nodes, prepare=import_components)
         else:
             for name in plan.nodes:
                 self._crew.fork(name, arguments, (name,))
@@ -120,6 +127,15 @@ class BringupRun:
         if plan.options.view:
             self._crew.fork(VIEWER, arguments, (), aside=True)
         BORN_WITH.keep(())
+
+    def _await_crew(self) -> End | None:
+        """Lets the nodes begin once all are there, however long one compiles; returns an end before that."""
+        while not self._crew.prepared:
+            if (end := self._end_in_sight()) is not None:
+                return end
+            self._director.spin(0.01)
+        self._crew.begin()
+        return None
 
     def _lead_to_activity(self) -> End | None:
         """Configures and activates everyone, the simulator last; returns an end that came too early.

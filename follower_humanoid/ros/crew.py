@@ -49,7 +49,14 @@ class Crew:
         self._environment = {PARENT: str(os.getpid()), **environment}
         self._gate = Gate()
 
-    def fork(self, name: str, args: Sequence[str], nodes: tuple[str, ...], aside: bool = False) -> None:
+    def fork(
+        self,
+        name: str,
+        args: Sequence[str],
+        nodes: tuple[str, ...],
+        aside: bool = False,
+        prepare: Callable[[], None] = lambda: None,
+    ) -> None:
         """Starts one executable of the package with all that is imported already; it waits for `begin`.
 
         Args:
@@ -57,6 +64,7 @@ class Crew:
             args: Its arguments.
             nodes: Nodes in it.
             aside: It only looks on: the run goes on without it, and whoever works goes first.
+            prepare: What it does before it waits.
         """
         main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
         gc.freeze()  # pages that no collection touches stay shared
@@ -68,8 +76,13 @@ class Crew:
                 os.nice(_ASIDE)
             return int(main(list(args)))
 
-        process = Forked(command, live, self._environment, self._gate)
+        process = Forked(command, live, self._environment, self._gate, prepare)
         self.members.append(Member(name, nodes, process, vital=not aside))
+
+    @property
+    def prepared(self) -> bool:
+        """Whether all forked ones wait for `begin`."""
+        return self._gate.all_wait
 
     def begin(self) -> None:
         """Lets the forked ones go on."""

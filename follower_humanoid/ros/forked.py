@@ -12,6 +12,7 @@ import sys
 import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 
 import setproctitle
 
@@ -24,30 +25,41 @@ class Gate:
     def __init__(self) -> None:
         """Closed."""
         self._reading, self._writing = os.pipe()
-        self._waiting = 0
+        self._arrivals, self._arriving = os.pipe()
+        os.set_blocking(self._arrivals, False)
+        self._expected = self._arrived = 0
 
     def expect(self) -> None:
         """One more will wait."""
-        self._waiting += 1
+        self._expected += 1
 
     def wait(self) -> bool:
         """In the forked process: whether it may go on; False where the other one has gone."""
-        os.close(self._writing)
+        os.write(self._arriving, b".")
+        for end in (self._writing, self._arrivals, self._arriving):
+            os.close(end)
         may = bool(os.read(self._reading, 1))
         os.close(self._reading)
         return may
 
+    @property
+    def all_wait(self) -> bool:
+        """Whether everyone expected has come so far."""
+        with suppress(BlockingIOError):
+            self._arrived += len(os.read(self._arrivals, self._expected))
+        return self._arrived == self._expected
+
     def open(self) -> None:
-        """Lets them go on."""
-        os.write(self._writing, b"." * self._waiting)
+        """Lets them go on, those too who have not come yet."""
+        os.write(self._writing, b"." * self._expected)
         self.close()
 
     def close(self) -> None:
         """Ends the wait; who has not passed goes home."""
-        for end in (self._reading, self._writing):
-            if end >= 0:
+        if self._writing >= 0:
+            for end in (self._reading, self._writing, self._arrivals, self._arriving):
                 os.close(end)
-        self._reading = self._writing = -1
+        self._writing = -1
 
 
 class Forked:
@@ -57,7 +69,12 @@ class Forked:
     """
 
     def __init__(
-        self, command: Sequence[str], main: Callable[[], int], environment: Mapping[str, str], gate: Gate
+        self,
+        command: Sequence[str],
+        main: Callable[[], int],
+        environment: Mapping[str, str],
+        gate: Gate,
+        prepare: Callable[[], None] = lambda: None,
     ) -> None:
         """Forks.
 
@@ -66,6 +83,7 @@ class Forked:
             main: What it does; returns the exit status.
             environment: Its environment.
             gate: It waits there first.
+            prepare: What it does before it waits.
         """
         self.returncode: int | None = None
         gate.expect()
@@ -73,7 +91,7 @@ class Forked:
         sys.stderr.flush()
         self.pid = os.fork()
         if self.pid == 0:
-            _live(command, main, environment, gate)
+            _live(command, main, environment, gate, prepare)
 
     def poll(self) -> int | None:
         """The exit status, negative for a signal; None while it runs."""
@@ -100,7 +118,11 @@ class Forked:
 
 
 def _live(
-    command: Sequence[str], main: Callable[[], int], environment: Mapping[str, str], gate: Gate
+    command: Sequence[str],
+    main: Callable[[], int],
+    environment: Mapping[str, str],
+    gate: Gate,
+    prepare: Callable[[], None],
 ) -> None:
     """The forked process's whole life: nothing of its parent's unfinished work is done by it."""
     status = 1
@@ -116,6 +138,7 @@ def _live(
         os.close(nowhere)
         setproctitle.setproctitle(" ".join(command))
         os.environ.update(environment)
+        prepare()
         status = main() if gate.wait() else 0
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else 1

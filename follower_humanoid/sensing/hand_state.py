@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import Indices
 
@@ -25,7 +25,7 @@ def turn(axes: Array, vector: Array, turned: Array) -> None:
         turned[n] = axes[0, n] * vector[0] + axes[1, n] * vector[1] + axes[2, n] * vector[2]
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1])")
+@kernel_part
 def add_wrench(force: Array, torque: Array, arm: Array, total: Array) -> None:
     """Adds force and moment about the end of the arm, (f, τ + r × f), to a wrench, (6,)."""
     for n in range(3):
@@ -34,10 +34,7 @@ def add_wrench(force: Array, torque: Array, arm: Array, total: Array) -> None:
         total[3 + n] += torque[n] + arm[after] * force[last] - arm[last] * force[after]
 
 
-@kernel(
-    "void(float64[:,::1], float64[::1], float64, float64[::1], float64[:,::1], float64[:,::1], "
-    "float64[::1], float64[:,::1])"
-)
+@kernel_part
 def hand_state(
     pose: Array, twist: Array, mass: float, center: Array, inertia: Array, wrist: Array, gripper: Array,
     state: Array,
@@ -70,7 +67,7 @@ def hand_state(
         state[7, n] += pose[3, n]
 
 
-@kernel("void(float64[:,::1], float64[::1], float64[::1], float64, float64, float64[::1])")
+@kernel_part
 def add_share(
     state: Array, reference: Array, reading: Array, half_weight: float, rate: float, total: Array
 ) -> None:
@@ -100,7 +97,7 @@ def add_share(
     add_wrench(force, torque, arm, total)
 
 
-@kernel("void(float64[:,::1], float64[:,::1], float64[::1], float64, float64, float64[::1])")
+@kernel_part
 def external_wrench(
     before: Array, now: Array, reading: Array, weight: float, period: float, wrench: Array
 ) -> None:

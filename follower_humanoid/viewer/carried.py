@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from follower_humanoid.core.kernel import kernel
+from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 
 VISIBLE = 1e-4
@@ -16,7 +16,7 @@ VISIBLE = 1e-4
 Singles = NDArray[np.float32]
 
 
-@kernel("void(float64[:,::1], float64[::1])")
+@kernel_part
 def quaternion(rotation: Array, wxyz: Array) -> None:
     """Writes the quaternion (w, x, y, z) of a rotation, by whichever of its parts is the largest."""
     trace = rotation[0, 0] + rotation[1, 1] + rotation[2, 2]
