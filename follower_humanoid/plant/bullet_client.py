@@ -176,8 +176,7 @@ class BulletClient:
 
     def _submit(self, command: int) -> int:
         status = self._bullet.b3SubmitClientCommandAndWaitStatus(self._server, command)
-        if not status:
-            raise PhysicsError("the PyBullet server does not answer")
+        expect_taken(bool(status))
         return int(status)
 
     @property
@@ -189,3 +188,9 @@ class BulletClient:
 
 def _doubles(*values: float) -> ctypes.Array[ctypes.c_double]:
     return (ctypes.c_double * len(values))(*values)
+
+
+def expect_taken(taken: bool) -> None:
+    """Raises `PhysicsError` where Bullet has not taken a command."""
+    if not taken:
+        raise PhysicsError("the PyBullet server does not answer, or an array has a wrong size")

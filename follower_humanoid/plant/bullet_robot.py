@@ -6,9 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from follower_humanoid.core.samples import Array
-from follower_humanoid.errors import PhysicsError
 from follower_humanoid.plant import bullet_kernels
-from follower_humanoid.plant.bullet_client import BASE
+from follower_humanoid.plant.bullet_client import BASE, expect_taken
 from follower_humanoid.plant.spatial import cross
 from follower_humanoid.plant.world import World
 from follower_humanoid.robot.model import BASE_DOF, Indices
@@ -107,7 +106,7 @@ class BulletRobot:
             self._client.handle, self.body, self._places, self._answer, self._positions, self._rates,
             self.center_in_base, self._to_base, self.q, self.v, self.rotation, self.base_twist,
         )  # fmt: skip
-        _expect(found != bullet_kernels.SILENT)
+        expect_taken(found != bullet_kernels.SILENT)
         self.reads += 1
         self.finite = found == bullet_kernels.FINITE
 
@@ -118,11 +117,11 @@ class BulletRobot:
     def drive(self, torque: Array) -> None:
         """Joint torques of the next step, shape (45,) [N·m]."""
         moving = torque if self._all_driven else torque[self._rows]
-        _expect(bullet_kernels.drive(self._client.handle, self.body, self._driven, moving))
+        expect_taken(bullet_kernels.drive(self._client.handle, self.body, self._driven, moving))
 
     def pull(self, link: int, force: Array, torque: Array, place: Array) -> None:
         """A wrench [N, N·m] during the next step on one of PyBullet's links, at a place [m], in world."""
-        _expect(bullet_kernels.pull(self._client.handle, self.body, link, force, torque, place))
+        expect_taken(bullet_kernels.pull(self._client.handle, self.body, link, force, torque, place))
 
     def support(self, links: bullet_kernels.Ints, forces: Array, places: Array) -> None:
         """What the ground does during the next step: upward forces [N] on links, at places [m], in world.
@@ -131,14 +130,8 @@ class BulletRobot:
             links: PyBullet's, shape (n,), int32.
             forces, places: Shape (n, 3); forces that point down are none.
         """
-        _expect(bullet_kernels.support(self._client.handle, self.body, links, forces, places))
+        expect_taken(bullet_kernels.support(self._client.handle, self.body, links, forces, places))
 
     def link(self, joint: int) -> int:
         """PyBullet's link behind a joint of Pinocchio."""
         return -1 if joint < FIRST_ACTUATED else self._joints[joint - FIRST_ACTUATED]
-
-
-def _expect(taken: bool) -> None:
-    """Raises `PhysicsError` where Bullet has not taken a command."""
-    if not taken:
-        raise PhysicsError("the PyBullet server does not answer, or an array has a wrong size")

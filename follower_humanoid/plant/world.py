@@ -11,9 +11,9 @@ import numpy as np
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Array
-from follower_humanoid.errors import ConfigurationError, PhysicsError
+from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant import bullet_kernels
-from follower_humanoid.plant.bullet_client import BASE, BulletClient
+from follower_humanoid.plant.bullet_client import BASE, BulletClient, expect_taken
 from follower_humanoid.robot.model import GRAVITY
 
 
@@ -84,8 +84,7 @@ class World:
 
     def step(self) -> None:
         """Advances everything in the world by one physics step."""
-        if not bullet_kernels.step(self.client.handle):
-            raise PhysicsError("the PyBullet server does not answer")
+        expect_taken(bullet_kernels.step(self.client.handle))
 
     def link_on_ground(self, body: int) -> int | None:
         """Index of the first link of a body that Bullet sees touching the ground; −1 is the base."""

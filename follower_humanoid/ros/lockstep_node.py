@@ -7,13 +7,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rclpy.parameter import Parameter
-from std_msgs.msg import Header
 
-from follower_humanoid.core.cdr import stamp_of
 from follower_humanoid.graph.lockstep import STALE, LockStep
 from follower_humanoid.graph.wiring import SIMULATOR, NodeWiring, node_wiring
 from follower_humanoid.ros.adjusted import AdjustedParameters
-from follower_humanoid.ros.barrier import RESET, Announcer, Barrier
+from follower_humanoid.ros.barrier import Announcer, Barrier
 from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.inlet import Inlet
@@ -22,10 +20,10 @@ from follower_humanoid.ros.managed_node import ManagedNode
 from follower_humanoid.ros.outlet import NOTHING, Outlet
 from follower_humanoid.ros.parameters import LiveConfig, declare
 from follower_humanoid.ros.qos import LOCKSTEP
+from follower_humanoid.ros.resets import Resets
 from follower_humanoid.ros.shared_robot import shared_robot
 from follower_humanoid.ros.starting import Starting
 from follower_humanoid.ros.toll import Toll
-from follower_humanoid.ros.validation import MessageError
 from follower_humanoid.ros.watchdog import Watchdog
 
 _SHORT_REST = 0.001
@@ -40,7 +38,7 @@ class LockStepNode(ManagedNode):
         lock: Which messages the next step waits for.
         bus: Connects the nodes of this process, if there are several.
         inlet, outlet: Bring messages in and out.
-        reset_at: Tick from which everything begins anew, None where no reset is on its way.
+        resets: When everything begins anew.
         idle: Deactivated while the others go on.
         away: Left behind by the others, and not in step with them again.
         attendance: Who else has left.
@@ -73,11 +71,11 @@ class LockStepNode(ManagedNode):
         if bus is not None:
             bus.join(wiring.name, self.run_ready_steps)
         self.started = self.idle = self.away = False
-        self.reset_at: int | None = None
         self.outlet: Outlet
         self.codecs: dict[str, Codec] = {}
         self._toll = Toll()
         self._announcer = Announcer(self)
+        self.resets = Resets(self, self._announcer)
         self.attendance = Attendance(self, self._goes_on_without, self.reject)
         self.starting = Starting(self)
         self._watchdog = Watchdog(self)
@@ -134,7 +132,7 @@ class LockStepNode(ManagedNode):
             self._adjusted.open(barrier)
         self.inlet.open(self.codecs, barrier)
         if self.wiring.name != SIMULATOR:
-            self.make_subscription(Header, RESET, self._receive_reset)
+            self.resets.hear()
 
     def start(self) -> None:
         """Looks for the others; the work begins when all are found."""
@@ -157,10 +155,8 @@ class LockStepNode(ManagedNode):
             return
         self.away = False
         self.lock.restart(tick + AHEAD)
-        if self.reset_at is not None and self.reset_at <= self.lock.tick:
-            self.reset_at = None
-            if self.component is not None:
-                self.reset()
+        if self.resets.take_if_due() is not None:
+            self._begin_anew()
         self.attendance.come_back(self.lock.tick)
 
     def _goes_on_without(self, name: str, tick: int) -> None:
@@ -200,27 +196,18 @@ class LockStepNode(ManagedNode):
             self.run_ready_steps()
         return attended
 
-    def _receive_reset(self, data: bytes) -> None:
-        tick, rest = divmod(stamp_of(data), self.tick_ns)
-        # One that has just come back is a little ahead of the others. Of two the earlier one counts.
-        earliest = self.lock.tick - 2 * AHEAD
-        if rest or tick < earliest or (self.reset_at is not None and tick > self.reset_at):
-            self.reject(MessageError(RESET, f"tick {tick} is not one to begin anew at"))
-            return
-        self.reset_at = tick
-        self._announcer.announce_reset(self.reset_at)
-        self.run_ready_steps()
-
     def reset(self) -> None:
         """Begins anew: a fresh component, and nothing from before."""
         self.component = self.wiring.make(self.config, shared_robot(self.graph.urdf), self.graph.tick)
 
+    def _begin_anew(self) -> None:
+        if self.component is not None:
+            self.reset()
+
     def _reset_if_due(self) -> None:
-        if self.reset_at is not None and self.lock.tick >= self.reset_at:
-            self.lock.restart(self.reset_at)
-            self.reset_at = None
-            if self.component is not None:
-                self.reset()
+        if (tick := self.resets.take_if_due()) is not None:
+            self.lock.restart(tick)
+            self._begin_anew()
 
     def run_ready_steps(self) -> None:
         """Takes every step whose inputs are there."""

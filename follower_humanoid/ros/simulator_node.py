@@ -159,7 +159,7 @@ class SimulatorNode(LockStepNode):
             if held is not None:
                 given[topic] = held
         inputs = self._inputs(*map(given.get, self._topics))
-        if self.lock.tick == self.reset_at:
+        if self.lock.tick == self.resets.due_at:
             self.component.reset()
         else:
             self.component.advance(inputs)
@@ -175,19 +175,19 @@ class SimulatorNode(LockStepNode):
 
     def _reset_asked(self, request: Any, response: Any) -> Any:
         """Tells everyone at which tick to begin anew and waits until all know."""
-        response.success = self.started and self.running and self.reset_at is None
+        response.success = self.started and self.running and self.resets.due_at is None
         if not response.success:
-            response.message = "not running" if self.reset_at is None else "a reset is on its way"
+            response.message = "not running" if self.resets.due_at is None else "a reset is on its way"
             return response
         # Nobody has stepped the tick after the next; slow nodes step at multiples of their period.
         whole = math.lcm(*(node.period for node in NODES.values()))
-        self.reset_at = -(-(self.lock.tick + 2) // whole) * whole
-        self._roll_call.expect_reset(self.reset_at, self.attendance.gone)
+        self.resets.due_at = tick = -(-(self.lock.tick + 2) // whole) * whole
+        self._roll_call.expect_reset(tick, self.attendance.gone)
         self._waiting_for_all = bool(self._roll_call.waiting_for())
         header = Header()
-        header.stamp.sec, header.stamp.nanosec = divmod(self.reset_at * self.tick_ns, NANOSECONDS)
+        header.stamp.sec, header.stamp.nanosec = divmod(tick * self.tick_ns, NANOSECONDS)
         self._reset_publisher.publish(header)
-        response.message = f"back on its feet at {self.reset_at * self.graph.tick:.3f} s"
+        response.message = f"back on its feet at {tick * self.graph.tick:.3f} s"
         return response
 
     def _all_know(self) -> None:
