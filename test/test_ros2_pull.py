@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from graph_bench import free_domain
+from graph_bench import PATIENCE, free_domain
 
 from follower_humanoid.bag.mcap_file import McapFile
 from follower_humanoid.bag.reader import read_run
@@ -20,46 +20,52 @@ from follower_humanoid.bag.writer import About, BagWriter
 ENVIRONMENT = {**os.environ, "ROS_DOMAIN_ID": str(free_domain()), "PATH": "/usr/bin:/bin"}
 ROS2 = [sys.executable, "-m", "follower_humanoid.ros2_front.main"]
 RUN = [*ROS2, "run", "follower_humanoid"]
-DURATION = 5.0  # in real time at most, so that the commands below come before its end
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run in which a person pulls, lets go, and has the robot put back on its feet."""
     folder = tmp_path_factory.mktemp("pull") / "bag"
-    words = ["bringup", "--leader", "none", "--composed", "--realtime", "--duration", str(DURATION)]
-    words += ["--bag", str(folder)]
+    # Not faster than real time, and until all has been done.
+    words = ["bringup", "--leader", "none", "--composed", "--realtime", "--bag", str(folder)]
     with subprocess.Popen([*RUN, *words], env=ENVIRONMENT, stdout=subprocess.DEVNULL) as bringup:
         pull = [
             *ROS2, "topic", "pub", "-r", "20", "-w", "2", "/leader/left_hand/wrench",
             "geometry_msgs/msg/WrenchStamped", "{wrench: {force: {x: 5.0}}}",
         ]  # fmt: skip
         with subprocess.Popen(pull, env=ENVIRONMENT, stdout=subprocess.DEVNULL) as person:
-            wait_for_time(bringup, 0.5)
-            reset = [*ROS2, "service", "call", "/reset", "std_srvs/srv/Trigger"]
-            done = subprocess.run(reset, env=ENVIRONMENT, capture_output=True, text=True, check=False)
-            bringup.wait(200.0)
+            wait_for(bringup, ["/left_hand/applied", "geometry_msgs/msg/WrenchStamped"], "x: 5.0")
+            done = reset()
+            wait_for(bringup, ["/clock", "rosgraph_msgs/msg/Clock"], "sec: ")
             person.send_signal(signal.SIGINT)
-            assert person.wait(10.0) == 0
+            assert person.wait(PATIENCE) == 0
+        bringup.send_signal(signal.SIGINT)
+        bringup.wait(PATIENCE)
     assert "success=True" in done.stdout, done.stdout + done.stderr
     assert bringup.returncode == 0
     return folder
 
 
-def wait_for_time(bringup: subprocess.Popen[bytes], time_wanted: float) -> None:
-    """Looks at the clock until the run has come that far."""
-    words = ["topic", "echo", "/clock", "rosgraph_msgs/msg/Clock", "--field", "clock"]
-    with subprocess.Popen([*ROS2, *words], env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as clock:
-        assert clock.stdout is not None
-        seconds = 0.0
-        deadline = time.monotonic() + 120.0
-        while seconds < time_wanted and bringup.poll() is None and time.monotonic() < deadline:
-            name, _, value = clock.stdout.readline().partition(": ")
-            if name == "sec":
-                seconds = float(value)
-            elif name == "nanosec":
-                seconds = int(seconds) + float(value) * 1e-9
-        clock.terminate()
+def reset() -> subprocess.CompletedProcess[str]:
+    """Asked for again where the service was not found in the time that the command looks for it."""
+    words = [*ROS2, "service", "call", "/reset", "std_srvs/srv/Trigger"]
+    for _ in range(5):
+        done = subprocess.run(words, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+        if done.returncode == 0:
+            break
+    return done
+
+
+def wait_for(bringup: subprocess.Popen[bytes], topic: list[str], text: str) -> None:
+    """Looks at a topic of the run until a line contains the text, and then half a second more of it."""
+    words = [*ROS2, "topic", "echo", *topic]
+    with subprocess.Popen(words, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as echo:
+        assert echo.stdout is not None
+        assert any(text in line for line in echo.stdout), "it ended"
+        for _ in range(50):
+            assert bringup.poll() is None
+            assert echo.stdout.readline()
+        echo.terminate()
 
 
 def test_the_robot_is_pulled(bag):
