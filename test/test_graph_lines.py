@@ -7,7 +7,7 @@ import signal
 
 import numpy as np
 import pytest
-from graph_bench import bringup, node, run, script, wait_until
+from graph_bench import PATIENCE, bringup, node, run, script, wait_until
 from mcap.reader import make_reader
 
 from follower_humanoid.bag.reader import read_run
@@ -60,9 +60,9 @@ while len(heard) < 5:
 @pytest.mark.parametrize("recording", [True, False])
 def test_a_stranger_hears_what_the_nodes_tell_one_another(place, recording):
     bag = str(place / "bag") if recording else "none"
-    with bringup(place, "--leader", "pull.yaml", "--duration", "60", "--bag", bag) as running:
+    with bringup(place, "--leader", "pull.yaml", "--duration", "600", "--bag", bag) as running:
         running.wait_until_it_runs()
-        assert script(LISTENER, running.environment).wait(60.0) == 0
+        assert script(LISTENER, running.environment).wait(PATIENCE) == 0
         running.end()
 
 
@@ -86,7 +86,7 @@ def test_a_node_started_by_hand_is_heard_although_the_recorder_leaves(place):
         try:
             running.wait_until_it_runs()
             for verb in ("deactivate", "cleanup"):
-                assert script(CHANGE.format(verb=verb), running.environment).wait(60.0) == 0
+                assert script(CHANGE.format(verb=verb), running.environment).wait(PATIENCE) == 0
             told = running.said
             assert wait_until(lambda: running.said.count("t = ") > told.count("t = ") + 3)
             running.end()
@@ -95,7 +95,7 @@ def test_a_node_started_by_hand_is_heard_although_the_recorder_leaves(place):
             assert times[-1] > times[-2] > times[-3]
         finally:
             by_hand.terminate()
-            by_hand.wait(10)
+            by_hand.wait(PATIENCE)
 
 
 CHANGE = """

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import time
 
 import numpy as np
 import pytest
@@ -79,7 +78,7 @@ def test_each_node_has_a_process_that_carries_its_name_and_ctrl_c_ends_all(place
         words = " ".join(words for _, words in running.children())
         for name in (*NODES, "recorder"):
             assert (f"/{name} " in words) == (name != "leader")
-        assert running.end(signal.SIGINT) < 3.0
+        running.end(signal.SIGINT)
         assert running.process.returncode == 0
         assert running.children() == []
     assert len(recorded(place / "interrupted")["joint_states"]) > 1
@@ -88,14 +87,14 @@ def test_each_node_has_a_process_that_carries_its_name_and_ctrl_c_ends_all(place
 def test_sigterm_ends_a_composed_run_too(place):
     with bringup(place, "--composed", "--bag", "none") as running:
         running.wait_until_it_runs()
-        assert running.end(signal.SIGTERM) < 3.0
+        running.end(signal.SIGTERM)
         assert running.process.returncode == 0
 
 
 def test_it_can_be_stopped_while_it_starts(place):
     with bringup(place, "--bag", "none") as running:
         assert wait_until(lambda: len(running.children()) == len(NODES))
-        assert running.end(signal.SIGINT) < 3.0
+        running.end(signal.SIGINT)
         assert running.process.returncode == 0
 
 
@@ -122,7 +121,7 @@ def test_nothing_outlives_a_killed_bringup(place):
     with bringup(place, "--leader", "none", "--bag", str(place / "orphaned")) as running:
         running.wait_until_it_runs()
         running.process.kill()
-        assert wait_until(lambda: not processes_of(running.process.pid), 5.0)
+        assert wait_until(lambda: not processes_of(running.process.pid))
     assert len(recorded(place / "orphaned")["joint_states"]) > 1
 
 
@@ -181,26 +180,31 @@ def test_a_person_can_push_the_base(place, leader):
 
 
 GAIT = """
-import rclpy, time
+import rclpy
 from sensor_msgs.msg import JointState
 rclpy.init()
 node = rclpy.create_node("joystick")
 publisher = node.create_publisher(JointState, "gait", 10)
 names = ["walk_speed", "walk_dir", "step_length", "step_height", "heading"]
 message = JointState(name=names, position=[1.0, 3.14159, 0.8, 1.0, 0.0])
-while True:
-    publisher.publish(message)
-    time.sleep(0.05)
+node.create_timer(0.05, lambda: publisher.publish(message))
+seen = []
+node.create_subscription(JointState, "motion/reference", lambda sent: seen.append(sent.position), 10)
+def moved():
+    return seen and max(abs(now - then) for now, then in zip(seen[-1], seen[0])) > 0.05
+while not moved():
+    rclpy.spin_once(node)
 """
 
 
 def test_a_joystick_can_take_the_place_of_gait_mapping(place):
     bag = place / "joystick"
-    options = ("--leader", "none", "--without", "gait_mapping", "--duration", "1", "--composed")
-    with bringup(place, *options, "--bag", str(bag)) as running:
-        time.sleep(1.0)
-        with beside(script(GAIT, running.environment)):
-            assert running.wait() == 0, running.complained
+    options = ("--leader", "none", "--without", "gait_mapping", "--duration", "80", "--realtime")
+    with bringup(place, *options, "--composed", "--bag", str(bag)) as running:
+        with beside(script(GAIT, running.environment)) as joystick:
+            assert joystick.wait(PATIENCE) == 0
+        running.end()
+        assert running.process.returncode == 0, running.complained
     reference = recorded(bag)["motion/reference"].position
     assert np.ptp(reference, axis=0).max() > 0.01  # it moves for the first step
 
@@ -210,8 +214,9 @@ import rclpy
 from nav_msgs.msg import Odometry
 rclpy.init()
 node = rclpy.create_node("filter")
+# In this order: who has found the filter by what it publishes has found what it listens to.
+node.create_subscription(Odometry, "odom", lambda message: publisher.publish(message), 1000)
 publisher = node.create_publisher(Odometry, "odom_filtered", 1000)
-node.create_subscription(Odometry, "odom", publisher.publish, 1000)
 rclpy.spin(node)
 """
 
@@ -231,13 +236,13 @@ def test_a_node_of_ours_started_by_hand_takes_its_place_in_the_lock_step(place, 
     bag = place / "by_hand"
     arguments = ("--leader", "pull.yaml", "--duration", str(SECONDS), "--without", "arm_controller")
     with bringup(place, *arguments, "--bag", str(bag)) as running:
-        time.sleep(0.5)
+        assert wait_until(lambda: len(running.children()) == len(NODES))  # the recorder, but not this one
         by_hand = node("arm_controller", running.environment)
         try:
             assert running.wait() == 0, running.complained
         finally:
             by_hand.terminate()
-            assert by_hand.wait(10) == 0
+            assert by_hand.wait(PATIENCE) == 0
     ours, theirs = separate[1]["joint_states"].position, recorded(bag)["joint_states"].position
     assert ours.tobytes() == theirs.tobytes()
 
@@ -258,18 +263,21 @@ print(asked.result().message)
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
 def test_a_reset_begins_everything_anew_while_time_goes_on(place, placement):
     bag = place / f"reset{len(placement)}"
-    # Long enough, and never faster than real time, so that the run still goes on when the asker has started;
-    # but it waits for whom a busy machine holds up, else the two halves would differ by a missed command.
+    # Never faster than real time, and as long as it takes until the asker has started; but it waits for whom
+    # a busy machine holds up, else the two halves would differ by a missed command.
     patient = place / "patient.yaml"
     patient.write_text("simulator: {ros__parameters: {hold_after: 10.0}}\n")
-    options = ("--leader", "none", "--duration", "5", "--realtime", "--bag", str(bag))
+    options = ("--leader", "none", "--realtime", "--bag", str(bag))
     with bringup(place, *options, "--params", str(patient), *placement) as running:
         running.wait_until_it_runs()
         assert script(RESET, running.environment).wait(PATIENCE) == 0
-        assert running.wait() == 0, running.complained
-    position = recorded(bag)["joint_states"].position
-    assert len(position) == 2501
-    again = [tick for tick in range(5, 2501) if (position[tick] == position[0]).all()]
+        running.wait_until_time(running.time + 2.0)
+        running.end()
+        assert running.process.returncode == 0, running.complained
+    states = recorded(bag)["joint_states"]
+    np.testing.assert_array_equal(states.stamps, 2_000_000 * np.arange(len(states)))
+    position = states.position
+    again = [tick for tick in range(5, len(position)) if (position[tick] == position[0]).all()]
     assert len(again) == 1
     rest = position[again[0] :]
     both = min(len(rest), again[0])

@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 import os
 import signal
-import time
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
-from graph_bench import bringup
+from graph_bench import bringup, wait_until
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.record import Holding, Run
@@ -96,13 +95,15 @@ def test_a_run_in_real_time_with_a_controller_held_up(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     bag = tmp_path / "bag"
-    with bringup(tmp_path, "--realtime", "--duration", "4", "--bag", str(bag)) as running:
+    with bringup(tmp_path, "--realtime", "--bag", str(bag)) as running:
         running.wait_until_it_runs()
         controller = running.child("leg_controller")
         os.kill(controller, signal.SIGSTOP)
-        time.sleep(1.0)  # four times as long as the drives wait
+        assert wait_until(lambda: f"no {LEGS} of tick" in running.complained), running.complained
         os.kill(controller, signal.SIGCONT)
-        running.wait()
+        later = running.time + 1.0
+        assert wait_until(lambda: running.time > later or running.process.poll() is not None)  # it may fall
+        running.end()
     holding = read_run(bag).holding
     assert any(LEGS in entry.topics for entry in holding)
     assert [entry.tick for entry in holding] == sorted(entry.tick for entry in holding)
