@@ -19,7 +19,7 @@ def forked(main, gate, environment=None):
 
 
 def sleep_long():
-    time.sleep(60.0)
+    time.sleep(3600.0)
     return 0
 
 
@@ -94,13 +94,15 @@ def test_ps_shows_its_name_and_it_has_its_own_process_group_and_environment(tmp_
         assert process.wait() == -signal.SIGKILL
 
 
-def test_it_obeys_sigterm_although_its_parent_handles_it_otherwise():
+def test_it_obeys_sigterm_although_its_parent_handles_it_otherwise(tmp_path):
     before = signal.signal(signal.SIGTERM, lambda number, frame: None)
     try:
         gate = Gate()
-        process = forked(sleep_long, gate)
+        there = tmp_path / "there"
+        process = forked(lambda: there.touch() or sleep_long(), gate)
         gate.open()
-        time.sleep(0.2)
+        while not there.exists():
+            time.sleep(0.01)
         process.send_signal(signal.SIGTERM)
         assert process.wait() == -signal.SIGTERM
     finally:

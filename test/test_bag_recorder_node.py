@@ -17,6 +17,7 @@ import rclpy
 from bag_messages import TICK_NS, imu, joint_positions, joint_state, odometry, point, wrench
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, WrenchStamped
+from graph_bench import PATIENCE, wait_until
 from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -37,9 +38,13 @@ MESSAGES: dict[str, tuple[type, Any]] = {
     "left_foot/wrench": (WrenchStamped, lambda tick: wrench(tick, 300.0)),
     "com": (PointStamped, point),
 }
-PATIENCE = 30.0
 # Deep enough for a machine so busy that a reader sleeps for a second: what is measured is the recorder.
 DEEP = QoSProfile(depth=2000)
+
+
+def wait_until_heard(*publishers: Any) -> None:
+    """Until the recorder hears them all."""
+    assert wait_until(lambda: all(p.get_subscription_count() for p in publishers)), "it was not found"
 
 
 class Graph:
@@ -59,11 +64,7 @@ class Graph:
         self.person = self.node.create_publisher(WrenchStamped, "base/push", PEOPLE)
 
     def wait_for_recorder(self) -> None:
-        deadline = time.monotonic() + PATIENCE
-        waiting = [*self.publishers.values(), self.person]
-        while any(publisher.get_subscription_count() == 0 for publisher in waiting):
-            assert time.monotonic() < deadline, "the recorder was not found"
-            time.sleep(0.02)
+        wait_until_heard(*self.publishers.values(), self.person)
 
     def publish(self, ticks: range, pause: float = 0.002) -> None:
         for tick in ticks:
@@ -113,7 +114,7 @@ def start_recorder(bag: Path, *options: str) -> subprocess.Popen[str]:
 def end(process: subprocess.Popen[str], number: signal.Signals) -> int:
     process.send_signal(number)
     try:
-        return process.wait(10.0)
+        return process.wait(PATIENCE)
     finally:
         process.kill()
 
@@ -126,7 +127,7 @@ def test_everything_published_is_in_the_bag(graph: Graph, tmp_path: Path) -> Non
     graph.publish(range(300))
     graph.wait_until_written(4 * 300 + 60)
     graph.person.publish(wrench(0, 5.0, "torso"))
-    time.sleep(0.5)
+    graph.wait_until_written(4 * 300 + 60 + 1)
     assert end(recorder, signal.SIGTERM) == 0
     run = read_run(tmp_path / "run")
     assert run.notes == ()
@@ -217,10 +218,7 @@ def test_what_comes_in_envelopes_is_in_the_bag_once_and_strangers_are_heard_by_n
     made = {name: MESSAGES[name][1] for name in MESSAGES if name in envelope.topics}
     try:
         recorder = start_recorder(tmp_path / "run")
-        deadline = time.monotonic() + PATIENCE
-        while not (sealed.get_subscription_count() and graph.publishers["com"].get_subscription_count()):
-            assert time.monotonic() < deadline, "the recorder was not found"
-            time.sleep(0.02)
+        wait_until_heard(sealed, graph.publishers["com"])
         for tick in range(200):
             parts = [made[topic](tick) if topic in made else b"" for topic in envelope.topics]
             sealed.publish(envelope.seal(tick * TICK_NS, parts))
@@ -256,10 +254,7 @@ def test_the_leaders_wrenches_are_in_the_bag_once_and_peoples_as_often_as_they_c
     person = wrench(0, 1.0, "world")
     try:
         recorder = start_recorder(tmp_path / "run")
-        deadline = time.monotonic() + PATIENCE
-        while not (sealed.get_subscription_count() and named.get_subscription_count()):
-            assert time.monotonic() < deadline, "the recorder was not found"
-            time.sleep(0.02)
+        wait_until_heard(sealed, named)
         graph.publish(range(10))
         for number, data in enumerate(leaders):
             parts = [data if name == topic else b"" for name in envelope.topics]

@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from graph_bench import wait_until
 
 from follower_humanoid.bench.growth import Course, _walk
 from follower_humanoid.bench.placement import Placed, cpu_of_children, memory_of_children
@@ -26,7 +27,7 @@ def test_the_tape_walks_the_same_walk():
     chain.close()
     tape = Tape("fig4", ticks, 0.002)
     cost = tape.play()
-    assert 0.0 < cost.cpu < 0.1
+    assert cost.cpu > 0.0
     np.testing.assert_array_equal(tape.state, walked)
 
 
@@ -41,8 +42,9 @@ def test_messaging_is_what_the_components_do_not_use():
 
 
 def test_memory_is_told_of_the_processes_that_one_has_started():
-    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"])
     try:
+        assert wait_until(lambda: "-c" in memory_of_children(os.getpid()))  # until then it is still this one
         data = memory_of_children(os.getpid(), "Pss_Anon")["-c"]
         assert memory_of_children(os.getpid())["-c"] > data > 0
         assert cpu_of_children(os.getpid()) >= 0.0

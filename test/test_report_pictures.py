@@ -131,7 +131,7 @@ def test_every_joint_is_in_one_limb(run: Run) -> None:
 
 def report(*args: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "follower_humanoid.nodes.report", *map(str, args)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+    return subprocess.run(command, capture_output=True, text=True, timeout=200)
 
 
 def test_the_executable_reports_on_a_bag(tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def test_what_the_system_forbids_is_not_held_against_anybody(monkeypatch):
 def test_it_ends_with_its_process_even_if_that_is_killed():
     code = (
         "import time; from follower_humanoid.ros.claim import Claim; "
-        f"held = Claim(7, {SPACE!r}, ['a']); print(flush=True); time.sleep(60)"
+        f"held = Claim(7, {SPACE!r}, ['a']); print(flush=True); time.sleep(3600)"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
         process.stdout.readline()

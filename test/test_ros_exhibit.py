@@ -7,6 +7,7 @@ import time
 import numpy as np
 import pytest
 import rclpy
+from graph_bench import PATIENCE
 from rclpy.node import Node
 from std_msgs.msg import UInt8MultiArray
 from test_ros_codecs import ROBOT, sample_of
@@ -23,7 +24,6 @@ from follower_humanoid.ros.newest import Newest
 from follower_humanoid.ros.qos import LOCKSTEP
 
 WIRING = NODES["motion_composition"]
-PATIENCE = 15.0  # wall time for what must happen [s]
 
 
 class Shelf:

@@ -6,6 +6,7 @@ import time
 
 import pytest
 import rclpy
+from graph_bench import ENDLESS, PATIENCE, wait_until
 from std_msgs.msg import Header
 
 from follower_humanoid.core.cdr import stamp_of
@@ -13,8 +14,6 @@ from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.lines import Lines
 from follower_humanoid.ros.mailbox import Mailbox
 from follower_humanoid.ros.qos import LOCKSTEP
-
-PATIENCE = 10.0  # wall time for what must happen [s]
 
 
 class Correspondence:
@@ -32,10 +31,7 @@ class Correspondence:
                 lambda data, topic=topic: self.receive(topic, data),
                 lambda topic=topic: len(self.received[topic]) <= self.round,
             )
-        until = time.monotonic() + PATIENCE
-        while any(p.get_subscription_count() == 0 for p in self.publishers.values()):
-            assert time.monotonic() < until
-            time.sleep(0.01)
+        assert wait_until(lambda: all(p.get_subscription_count() for p in self.publishers.values()))
 
     def receive(self, topic, data):
         self.received[topic].append(stamp_of(data))
@@ -96,7 +92,7 @@ def test_it_sleeps_no_longer_than_it_may_and_not_at_all_where_nothing_is_missing
     assert post.received == {"one": []}
     post.write("one", 7)
     post.fetch_round()
-    assert not post.mailbox.fetch(60.0)  # at once, or this test never ends
+    assert not post.mailbox.fetch(ENDLESS)  # at once, or this test never ends
     assert post.received == {"one": [7]}
 
 
@@ -108,10 +104,7 @@ def test_what_comes_by_a_line_is_not_read_from_the_topic_too(node):
     subscription = node.create_subscription(Header, "one", lambda _: None, LOCKSTEP, raw=True)
     node.mailbox.add_line(ear, subscription, lambda data: not received.append(data), lambda: True)
     publisher = node.create_publisher(Header, "one", LOCKSTEP)
-    until = time.monotonic() + PATIENCE
-    while publisher.get_subscription_count() == 0:
-        assert time.monotonic() < until
-        time.sleep(0.01)
+    assert wait_until(publisher.get_subscription_count)
     publisher.publish(Header())
     assert node.mailbox.fetch(0.05)
     assert received == []
@@ -121,4 +114,4 @@ def test_what_comes_by_a_line_is_not_read_from_the_topic_too(node):
     assert subscription in node.mailbox.subscriptions
     lines.keep(["here"])  # the other end is gone
     assert node.mailbox.fetch(PATIENCE)
-    assert not node.mailbox.fetch(60.0)  # nothing can come any more: at once, or this test never ends
+    assert not node.mailbox.fetch(ENDLESS)  # nothing can come any more: at once, or this test never ends
