@@ -28,7 +28,6 @@ from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.spin import StopSignal, start_ros
 from follower_humanoid.ros.status import StatusLine, summary_text
 from follower_humanoid.ros.transport import choose_network
-from follower_humanoid.ros.type_support import load_type_support
 
 COMPOSED = "composed"
 _LONGEST_START = 60.0
@@ -58,7 +57,6 @@ class BringupRun:
         arguments = self._ros_arguments()
         with ExitStack() as names:  # ours until the last node has ended
             try:
-                load_type_support()
                 self._fork_nodes([*arguments, "--params-file", str(self._parameter_file)])
                 start_ros(arguments)
                 self._director = director = Director()

@@ -16,6 +16,7 @@ from follower_humanoid.resources import node_command
 from follower_humanoid.ros.forked import Forked, Gate
 from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.spin import PARENT
+from follower_humanoid.ros.type_support import load_type_support
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
 _ASIDE = 10  # niceness of who only looks on; Linux's idle policy would stop its page on a full machine
@@ -67,6 +68,7 @@ class Crew:
             prepare: What it does before it waits.
         """
         main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
+        load_type_support()
         gc.freeze()  # pages that no collection touches stay shared
         command = [*node_command(name), *args]
 
