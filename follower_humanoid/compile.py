@@ -1,7 +1,7 @@
 """Imports what the nodes run, which compiles the inner loops the first time.
 
-Whoever starts several processes does it once before, since each would compile for itself; on the command
-line it is `python -m follower_humanoid.compile`.
+Whoever starts several processes that need it does it once before, since each would compile for itself; on
+the command line it is `python -m follower_humanoid.compile`.
 """
 
 from __future__ import annotations

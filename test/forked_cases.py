@@ -8,14 +8,18 @@ import sys
 import time
 import types
 from pathlib import Path
+from types import SimpleNamespace
 
+import pytest
+
+from follower_humanoid.ros.crew import Crew
 from follower_humanoid.ros.forked import Forked, Gate
 
 COMMAND = ["/somewhere/python", "/somewhere/lib/leader", "--option", "two words"]
 
 
-def forked(main, gate, environment=None):
-    return Forked(COMMAND, main, environment or {}, gate)
+def forked(main, gate, environment=None, prepare=lambda: None):
+    return Forked(COMMAND, main, environment or {}, gate, prepare)
 
 
 def sleep_long():
@@ -109,20 +113,56 @@ def test_it_obeys_sigterm_although_its_parent_handles_it_otherwise(tmp_path):
         signal.signal(signal.SIGTERM, before)
 
 
-def test_whoever_forks_knows_when_all_have_prepared_and_come_to_the_gate(tmp_path):
-    asked, prepared = tmp_path / "asked", tmp_path / "prepared"
+@pytest.fixture
+def preparation(tmp_path):
+    """What to do before the gate: it goes on until it is told to end, and leaves a trace."""
+    end, ended = tmp_path / "end", tmp_path / "ended"
 
     def prepare():
-        while not asked.exists():
+        while not end.exists():
             time.sleep(0.01)
-        prepared.touch()
+        ended.touch()
 
+    return SimpleNamespace(prepare=prepare, end=end.touch, ended=ended.exists)
+
+
+def test_whoever_forks_knows_how_many_have_not_prepared_yet(preparation):
     gate = Gate()
-    both = [Forked(COMMAND, lambda: 0, {}, gate, prepare), forked(lambda: 0, gate)]
-    assert not gate.all_wait
-    asked.touch()
-    while not gate.all_wait:
+    both = [forked(lambda: 0, gate, prepare=preparation.prepare), forked(lambda: 0, gate)]
+    while gate.missing > 1:
         time.sleep(0.01)
-    assert prepared.exists()
+    assert not preparation.ended()
+    preparation.end()
+    while gate.missing:
+        time.sleep(0.01)
+    assert preparation.ended()
     gate.open()
     assert [process.wait() for process in both] == [0, 0]
+
+
+def test_who_still_prepares_when_the_gate_opens_passes_later(preparation):
+    gate = Gate()
+    process = forked(lambda: 5, gate, prepare=preparation.prepare)
+    gate.open()
+    preparation.end()
+    assert process.wait() == 5
+
+
+def test_who_still_prepares_when_the_gate_is_gone_goes_home(preparation):
+    gate = Gate()
+    process = forked(lambda: 5, gate, prepare=preparation.prepare)
+    gate.close()
+    preparation.end()
+    assert process.wait() == 0
+
+
+def test_a_crew_is_prepared_without_an_onlooker_that_has_died_but_not_without_others(monkeypatch):
+    monkeypatch.setitem(sys.modules, "follower_humanoid.nodes.nobody", SimpleNamespace(main=lambda args: 0))
+    monkeypatch.setattr("follower_humanoid.ros.crew.node_command", lambda name: COMMAND)
+    for onlooker in (True, False):
+        crew = Crew({})
+        crew.fork("nobody", [], (), aside=onlooker, prepare=lambda: os.kill(os.getpid(), signal.SIGKILL))
+        crew.members[0].process.wait()
+        assert crew.prepared is onlooker
+        assert (crew.ended() is None) is onlooker
+        crew.kill()

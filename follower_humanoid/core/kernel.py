@@ -30,5 +30,5 @@ def kernel(signature: str) -> Callable[[Function], Function]:
 
 
 def kernel_part(function: Function) -> Function:
-    """Marks a function that only kernels of its file call: it is compiled and loaded as part of them."""
+    """Marks a function that is there for kernels of its file: it is compiled and loaded as part of them."""
     return cast(Function, numba.njit(error_model="numpy")(function))

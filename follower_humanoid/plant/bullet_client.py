@@ -190,7 +190,7 @@ def _doubles(*values: float) -> ctypes.Array[ctypes.c_double]:
     return (ctypes.c_double * len(values))(*values)
 
 
-def expect_taken(taken: bool) -> None:
-    """Raises `PhysicsError` where Bullet has not taken a command."""
+def expect_taken(taken: bool, otherwise: str = "") -> None:
+    """Raises `PhysicsError` where Bullet has not taken a command. Args: what else can be the reason."""
     if not taken:
-        raise PhysicsError("the PyBullet server does not answer, or an array has a wrong size")
+        raise PhysicsError(f"the PyBullet server does not answer{otherwise}")

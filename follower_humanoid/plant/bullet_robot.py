@@ -117,11 +117,11 @@ class BulletRobot:
     def drive(self, torque: Array) -> None:
         """Joint torques of the next step, shape (45,) [N·m]."""
         moving = torque if self._all_driven else torque[self._rows]
-        expect_taken(bullet_kernels.drive(self._client.handle, self.body, self._driven, moving))
+        self._expect(bullet_kernels.drive(self._client.handle, self.body, self._driven, moving))
 
     def pull(self, link: int, force: Array, torque: Array, place: Array) -> None:
         """A wrench [N, N·m] during the next step on one of PyBullet's links, at a place [m], in world."""
-        expect_taken(bullet_kernels.pull(self._client.handle, self.body, link, force, torque, place))
+        self._expect(bullet_kernels.pull(self._client.handle, self.body, link, force, torque, place))
 
     def support(self, links: bullet_kernels.Ints, forces: Array, places: Array) -> None:
         """What the ground does during the next step: upward forces [N] on links, at places [m], in world.
@@ -130,7 +130,11 @@ class BulletRobot:
             links: PyBullet's, shape (n,), int32.
             forces, places: Shape (n, 3); forces that point down are none.
         """
-        expect_taken(bullet_kernels.support(self._client.handle, self.body, links, forces, places))
+        self._expect(bullet_kernels.support(self._client.handle, self.body, links, forces, places))
+
+    @staticmethod
+    def _expect(taken: bool) -> None:
+        expect_taken(taken, ", or an array has a wrong size")
 
     def link(self, joint: int) -> int:
         """PyBullet's link behind a joint of Pinocchio."""

@@ -30,6 +30,7 @@ from follower_humanoid.ros.status import StatusLine, summary_text
 from follower_humanoid.ros.transport import choose_network
 
 COMPOSED = "composed"
+_LONGEST_PREPARATION = 600.0  # for a slow machine to compile the inner loops, once [s]
 _LONGEST_START = 60.0
 _LONGEST_STOP = 20.0  # s, for a slow disk; at a signal: _HASTE
 _HASTE = 2.6
@@ -107,8 +108,8 @@ class BringupRun:
     def _fork_nodes(self, arguments: list[str]) -> None:
         """Before ROS runs in this process; they wait for their parameters.
 
-        What all of them need is imported here, what one of them needs is imported there: meanwhile ROS
-        starts here.
+        Separate nodes share what is imported here. The composed process imports it itself, while ROS starts
+        here.
         """
         plan = self._plan
         if not plan.options.composed:
@@ -127,10 +128,14 @@ class BringupRun:
         BORN_WITH.keep(())
 
     def _await_crew(self) -> End | None:
-        """Lets the nodes begin once all are there, however long one compiles; returns an end before that."""
+        """Lets the nodes begin once all are there; returns an end that came before that."""
+        deadline = time.monotonic() + _LONGEST_PREPARATION
         while not self._crew.prepared:
             if (end := self._end_in_sight()) is not None:
                 return end
+            if time.monotonic() > deadline:
+                self._say(f"nodes still not imported after {_LONGEST_PREPARATION:.0f} s")
+                return End(Outcome.LATE)
             self._director.spin(0.01)
         self._crew.begin()
         return None

@@ -15,7 +15,7 @@ from pathlib import Path
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.forked import Forked, Gate
 from follower_humanoid.ros.lines import BORN_WITH
-from follower_humanoid.ros.spin import PARENT
+from follower_humanoid.ros.spin import PARENT, die_with_parent
 from follower_humanoid.ros.type_support import load_type_support
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
@@ -56,7 +56,7 @@ class Crew:
         args: Sequence[str],
         nodes: tuple[str, ...],
         aside: bool = False,
-        prepare: Callable[[], None] = lambda: None,
+        prepare: Callable[[], object] = lambda: None,
     ) -> None:
         """Starts one executable of the package with all that is imported already; it waits for `begin`.
 
@@ -78,13 +78,18 @@ class Crew:
                 os.nice(_ASIDE)
             return int(main(list(args)))
 
-        process = Forked(command, live, self._environment, self._gate, prepare)
+        def get_ready() -> None:
+            die_with_parent()  # before a compilation, which may take a minute
+            prepare()
+
+        process = Forked(command, live, self._environment, self._gate, get_ready)
         self.members.append(Member(name, nodes, process, vital=not aside))
 
     @property
     def prepared(self) -> bool:
-        """Whether all forked ones wait for `begin`."""
-        return self._gate.all_wait
+        """Whether all wait for `begin`, but for onlookers that will not come."""
+        gone = sum(m.process.poll() is not None for m in self.members if not m.vital)
+        return self._gate.missing <= gone
 
     def begin(self) -> None:
         """Lets the forked ones go on."""

@@ -27,39 +27,46 @@ class Gate:
         self._reading, self._writing = os.pipe()
         self._arrivals, self._arriving = os.pipe()
         os.set_blocking(self._arrivals, False)
-        self._expected = self._arrived = 0
+        self._expected = self._missing = 0
 
     def expect(self) -> None:
         """One more will wait."""
         self._expected += 1
+        self._missing += 1
+
+    def approach(self) -> None:
+        """In the forked process, on its way: from here on the gate is its parent's alone."""
+        os.close(self._writing)
+        os.close(self._arrivals)
 
     def wait(self) -> bool:
-        """In the forked process: whether it may go on; False where the other one has gone."""
-        os.write(self._arriving, b".")
-        for end in (self._writing, self._arrivals, self._arriving):
-            os.close(end)
+        """In the forked process, at the gate: whether it may go on; False where the other one has gone."""
+        with suppress(BrokenPipeError):
+            os.write(self._arriving, b".")
+        os.close(self._arriving)
         may = bool(os.read(self._reading, 1))
         os.close(self._reading)
         return may
 
     @property
-    def all_wait(self) -> bool:
-        """Whether everyone expected has come so far."""
-        with suppress(BlockingIOError):
-            self._arrived += len(os.read(self._arrivals, self._expected))
-        return self._arrived == self._expected
+    def missing(self) -> int:
+        """How many have not come yet."""
+        if self._arrivals >= 0:
+            with suppress(BlockingIOError):
+                self._missing -= len(os.read(self._arrivals, self._expected))
+        return self._missing
 
     def open(self) -> None:
-        """Lets them go on, those too who have not come yet."""
+        """Lets them go on, those too who come later."""
         os.write(self._writing, b"." * self._expected)
         self.close()
 
     def close(self) -> None:
         """Ends the wait; who has not passed goes home."""
-        if self._writing >= 0:
-            for end in (self._reading, self._writing, self._arrivals, self._arriving):
+        for end in (self._reading, self._writing, self._arrivals, self._arriving):
+            if end >= 0:
                 os.close(end)
-        self._writing = -1
+        self._reading = self._writing = self._arrivals = self._arriving = -1
 
 
 class Forked:
@@ -74,7 +81,7 @@ class Forked:
         main: Callable[[], int],
         environment: Mapping[str, str],
         gate: Gate,
-        prepare: Callable[[], None] = lambda: None,
+        prepare: Callable[[], None],
     ) -> None:
         """Forks.
 
@@ -138,6 +145,7 @@ def _live(
         os.close(nowhere)
         setproctitle.setproctitle(" ".join(command))
         os.environ.update(environment)
+        gate.approach()
         prepare()
         status = main() if gate.wait() else 0
     except SystemExit as end:
