@@ -169,8 +169,14 @@ def script(text: str, env: dict[str, str]) -> subprocess.Popen[bytes]:
 @contextmanager
 def beside(process: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]:
     """Something that runs beside a bringup, and is ended in any case."""
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
+    with process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def run_script(text: str, env: dict[str, str]) -> None:
+    """A user's own little program from beginning to end."""
+    with beside(script(text, env)) as process:
+        assert process.wait(PATIENCE) == 0

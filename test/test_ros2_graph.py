@@ -15,7 +15,7 @@ import pytest
 import rclpy
 import yaml
 from geometry_msgs.msg import WrenchStamped
-from graph_bench import PATIENCE, free_domain, wait_until
+from graph_bench import PATIENCE, beside, free_domain, wait_until
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.duration import Duration
 from rclpy.experimental.events_executor import EventsExecutor
@@ -104,16 +104,17 @@ def ros2(*words: str, status: int = 0, shows: str = "") -> str:
 
 
 @contextmanager
-def running(*words: str) -> Iterator[subprocess.Popen[str]]:
-    """A command that runs until it is stopped, and then ends well."""
-    process = subprocess.Popen([*MAIN, *words], env=ENVIRONMENT, stdout=subprocess.PIPE, text=True)
-    try:
+def running(*words: str, by: int = signal.SIGINT, shows: str = "") -> Iterator[subprocess.Popen[str]]:
+    """A command that runs until a signal stops it, and then ends well."""
+    process = subprocess.Popen(
+        [*MAIN, *words], env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    with beside(process):
         yield process
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=PATIENCE)
-        assert process.returncode == 0
-    finally:
-        process.kill()
+        process.send_signal(by)
+        said, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, said
+    assert shows in said
 
 
 def test_topics_are_listed_and_described(robot):
@@ -168,10 +169,10 @@ def test_pub_once_waits_for_the_subscriber(robot):
     assert "publishing #3" not in text
 
 
-def test_pub_goes_on_until_interrupted(robot):
+def test_pub_goes_on_until_stopped(robot):
     robot.heard.clear()
     what = ("/lab/pull", "geometry_msgs/msg/WrenchStamped")
-    with running("topic", "pub", "-r", "20", "-w", "1", "-p", "0", *what):
+    with running("topic", "pub", "-r", "20", "-w", "1", "-p", "0", *what, by=signal.SIGTERM):
         assert wait_until(lambda: len(robot.heard) > 20)
 
 
@@ -239,7 +240,8 @@ def test_lifecycle_is_read_and_changed(robot):
 
 def test_bags_are_recorded_described_and_played(robot, tmp_path: Path):
     bag = tmp_path / "bag"
-    with running("bag", "record", "/lab/force", "/lab/about", "-o", str(bag)):
+    words = ("bag", "record", "/lab/force", "/lab/about", "-o", str(bag))
+    with running(*words, shows="messages of 2 topics"):
         assert wait_until(lambda: all(p.get_subscription_count() for p in (robot.fast, robot.once)))
         assert robot.once.wait_for_all_acked(Duration(seconds=PATIENCE))
         enough = robot.sent + RATE

@@ -8,10 +8,11 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import pytest
-from graph_bench import PATIENCE, free_domain
+from graph_bench import PATIENCE, beside, free_domain, wait_until
 
 from follower_humanoid.bag.mcap_file import McapFile
 from follower_humanoid.bag.reader import read_run
@@ -25,47 +26,52 @@ RUN = [*ROS2, "run", "follower_humanoid"]
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run in which a person pulls, lets go, and has the robot put back on its feet."""
-    folder = tmp_path_factory.mktemp("pull") / "bag"
+    folder = tmp_path_factory.mktemp("pull")
     # Not faster than real time, and until all has been done.
-    words = ["bringup", "--leader", "none", "--composed", "--realtime", "--bag", str(folder)]
-    with subprocess.Popen([*RUN, *words], env=ENVIRONMENT, stdout=subprocess.DEVNULL) as bringup:
-        pull = [
-            *ROS2, "topic", "pub", "-r", "20", "-w", "2", "/leader/left_hand/wrench",
-            "geometry_msgs/msg/WrenchStamped", "{wrench: {force: {x: 5.0}}}",
-        ]  # fmt: skip
-        with subprocess.Popen(pull, env=ENVIRONMENT, stdout=subprocess.DEVNULL) as person:
-            wait_for(bringup, ["/left_hand/applied", "geometry_msgs/msg/WrenchStamped"], "x: 5.0")
-            done = reset()
-            wait_for(bringup, ["/clock", "rosgraph_msgs/msg/Clock"], "sec: ")
-            person.send_signal(signal.SIGINT)
-            assert person.wait(PATIENCE) == 0
-        bringup.send_signal(signal.SIGINT)
-        bringup.wait(PATIENCE)
+    words = ["bringup", "--leader", "none", "--composed", "--realtime", "--bag", str(folder / "bag")]
+    pull = [
+        "topic", "pub", "-r", "20", "-w", "2", "/leader/left_hand/wrench",
+        "geometry_msgs/msg/WrenchStamped", "{wrench: {force: {x: 5.0}}}",
+    ]  # fmt: skip
+    with beside(start(*RUN, *words)) as bringup, beside(start(*ROS2, *pull)) as person:
+        hear(bringup, ["/left_hand/applied", "geometry_msgs/msg/WrenchStamped"], "x: 5.0", folder / "pulled")
+        done = reset()
+        hear(bringup, ["/clock", "rosgraph_msgs/msg/Clock"], "nanosec: ", folder / "again")
+        for process in (person, bringup):
+            process.send_signal(signal.SIGINT)
+            assert process.wait(PATIENCE) == 0
     assert "success=True" in done.stdout, done.stdout + done.stderr
-    assert bringup.returncode == 0
-    return folder
+    return folder / "bag"
+
+
+def start(*words: str, output: int | IO[str] = subprocess.DEVNULL) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(words, env=ENVIRONMENT, stdout=output)
+
+
+def finish(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        words, env=ENVIRONMENT, capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
 
 
 def reset() -> subprocess.CompletedProcess[str]:
     """Asked for again where the service was not found in the time that the command looks for it."""
-    words = [*ROS2, "service", "call", "/reset", "std_srvs/srv/Trigger"]
     for _ in range(5):
-        done = subprocess.run(words, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+        done = finish(*ROS2, "service", "call", "/reset", "std_srvs/srv/Trigger")
         if done.returncode == 0:
             break
     return done
 
 
-def wait_for(bringup: subprocess.Popen[bytes], topic: list[str], text: str) -> None:
-    """Looks at a topic of the run until a line contains the text, and then half a second more of it."""
-    words = [*ROS2, "topic", "echo", *topic]
-    with subprocess.Popen(words, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as echo:
-        assert echo.stdout is not None
-        assert any(text in line for line in echo.stdout), "it ended"
-        for _ in range(50):
-            assert bringup.poll() is None
-            assert echo.stdout.readline()
-        echo.terminate()
+def hear(bringup: subprocess.Popen[bytes], topic: list[str], text: str, heard: Path) -> None:
+    """Looks at a topic of the run until 50 messages contain the text: at least a tenth of a second of it."""
+    with heard.open("w") as file, beside(start(*ROS2, "topic", "echo", *topic, output=file)) as echo:
+
+        def ended() -> bool:
+            return bringup.poll() is not None or echo.poll() is not None
+
+        assert wait_until(lambda: heard.read_text().count(text) >= 50 or ended()), "not heard"
+        assert not ended()
 
 
 def test_the_robot_is_pulled(bag):
@@ -75,10 +81,7 @@ def test_the_robot_is_pulled(bag):
 
 
 def test_the_run_comes_out_the_same_again(bag):
-    done = subprocess.run(
-        [*RUN, "replay", str(bag), "--simulate", "--verify"],
-        env=ENVIRONMENT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    done = finish(*RUN, "replay", str(bag), "--simulate", "--verify")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "identical to the bag: joint positions of" in done.stdout
     assert "put back on its feet at" in done.stderr
@@ -87,8 +90,7 @@ def test_the_run_comes_out_the_same_again(bag):
 def test_another_robot_ends_with_status_4_and_says_where(bag, tmp_path):
     altered = tmp_path / "altered"
     rewrite(bag, altered)
-    words = [*RUN, "replay", str(altered), "--verify"]
-    done = subprocess.run(words, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    done = finish(*RUN, "replay", str(altered), "--verify")
     assert done.returncode == 4, done.stdout + done.stderr
     assert "differs first at tick" in done.stderr
     assert "joint " in done.stderr

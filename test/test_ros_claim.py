@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from graph_bench import ENDLESS, beside
 
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros.claim import Claim
@@ -55,12 +56,10 @@ def test_what_the_system_forbids_is_not_held_against_anybody(monkeypatch):
 def test_it_ends_with_its_process_even_if_that_is_killed():
     code = (
         "import time; from follower_humanoid.ros.claim import Claim; "
-        f"held = Claim(7, {SPACE!r}, ['a']); print(flush=True); time.sleep(3600)"
+        f"held = Claim(7, {SPACE!r}, ['a']); print(flush=True); time.sleep({ENDLESS})"
     )
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
+    with beside(subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)) as process:
         process.stdout.readline()
         with pytest.raises(ConfigurationError):
             Claim(7, SPACE, ["a"])
-        process.kill()
-        process.wait()
     Claim(7, SPACE, ["a"]).close()

@@ -9,7 +9,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from graph_bench import ENDLESS, PATIENCE
+from graph_bench import ENDLESS, PATIENCE, beside, wait_until
 
 from follower_humanoid.ros import crew as crew_module
 from follower_humanoid.ros.bringup_run import BringupRun
@@ -110,16 +110,22 @@ def test_status_and_words(case):
 STUBBORN = f"import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); READY; time.sleep({ENDLESS})"
 
 
+@pytest.fixture
+def crew():
+    """Nobody of it is left, whatever the test came to."""
+    made = Crew({})
+    yield made
+    made.kill()
+
+
 def start_and_wait(crew, name, program, ready):
     """Starts a program that makes the file READY once it handles signals, and waits for that."""
     words = program.replace("READY", f"open({str(ready)!r}, 'w')")
     crew.members.append(Member(name, (), subprocess.Popen([sys.executable, "-c", words])))
-    while not ready.exists():
-        time.sleep(0.02)
+    assert wait_until(ready.exists)
 
 
-def test_a_signal_shortens_a_stop_that_has_begun(tmp_path):
-    crew = Crew({})
+def test_a_signal_shortens_a_stop_that_has_begun(crew, tmp_path):
     start_and_wait(crew, "stubborn", STUBBORN, tmp_path / "ready")
     naps = []
     begin = time.monotonic()
@@ -129,7 +135,10 @@ def test_a_signal_shortens_a_stop_that_has_begun(tmp_path):
 
 
 def test_a_signal_leaves_less_time_than_the_end_of_a_run():
-    """People who press Ctrl-C do not wait for long; a disk at the end of a run may take its time."""
+    """People who press Ctrl-C do not wait for long; a disk at the end of a run may take its time.
+
+    How long whole graphs take to stop is measured by `benchmark --faults`.
+    """
 
     def latest_stop(asked):
         run = SimpleNamespace(_stop=SimpleNamespace(asked=asked, asked_at=101.0))
@@ -139,8 +148,7 @@ def test_a_signal_leaves_less_time_than_the_end_of_a_run():
     assert latest_stop(False) >= 110.0
 
 
-def test_who_only_looks_on_is_asked_to_end_but_not_waited_for(tmp_path):
-    crew = Crew({})
+def test_who_only_looks_on_is_asked_to_end_but_not_waited_for(crew, tmp_path):
     start_and_wait(crew, "onlooker", STUBBORN, tmp_path / "ready")
     crew.members[0] = dataclasses.replace(crew.members[0], vital=False)
     begin = time.monotonic()
@@ -156,9 +164,8 @@ def test_who_only_looks_on_is_asked_to_end_but_not_waited_for(tmp_path):
         (f"time.sleep({ENDLESS}) is None", -9),  # soon, or this test never ends
     ],
 )
-def test_a_writer_is_waited_for_while_it_gets_anything_done(work, status, tmp_path, monkeypatch):
+def test_a_writer_is_waited_for_while_it_gets_anything_done(crew, work, status, tmp_path, monkeypatch):
     monkeypatch.setattr(crew_module, "_LONGEST_WRITING", ENDLESS)
-    crew = Crew({})
     words = (
         "import signal, sys, time; signal.signal(signal.SIGTERM, lambda *_: done.append(1)); done = []\n"
         "READY\n"
@@ -193,9 +200,10 @@ sys.exit(run([lambda: Writer("recorder")], []))
 def test_a_failure_while_closing_is_a_failure(word):
     command = [sys.executable, "-c", FAILS_AT_THE_END, word]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "started\n"
-    if word == "signal":
-        process.terminate()
-    _, errors = process.communicate(timeout=PATIENCE)
+    with beside(process):
+        assert process.stdout.readline() == "started\n"
+        if word == "signal":
+            process.terminate()
+        _, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, errors
     assert "disk full" in errors
