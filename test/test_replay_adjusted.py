@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 import yaml
-from graph_bench import PATIENCE, bringup, script
+from graph_bench import bringup, run_script
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
@@ -78,21 +78,21 @@ from rosgraph_msgs.msg import Clock
 rclpy.init()
 node = rclpy.create_node("operator")
 client = node.create_client(SetParameters, "arm_controller/set_parameters")
-heard = []
-node.create_subscription(Clock, "/clock", heard.append, 10)
-assert client.wait_for_service(60)
+client.wait_for_service()
 for mode in ("gravity_compensation", "auto"):
     wanted = [Parameter("mode", value=mode).to_parameter_msg()]
     asked = client.call_async(SetParameters.Request(parameters=wanted))
     rclpy.spin_until_future_complete(node, asked)
     assert asked.result().results[0].successful
-    until = len(heard) + 3  # each change has a tick of its own
-    while len(heard) < until:
+    # Each change has a tick of its own. Who subscribes now hears of no tick before the change.
+    heard = []
+    clock = node.create_subscription(Clock, "/clock", lambda now: heard.append(now.clock), 10)
+    while len(heard) < 3:
         rclpy.spin_once(node)
+    node.destroy_subscription(clock)
 """
 
 
-@pytest.mark.timeout(300)
 @pytest.mark.parametrize("placement", [[], ["--composed"]])
 def test_parameters_set_on_the_running_graph_are_in_its_bag(tmp_path, placement, capsys):
     (tmp_path / "pull.yaml").write_text("- {until: 60, left: [0.0, 0.0, 8.0]}\n")
@@ -101,7 +101,7 @@ def test_parameters_set_on_the_running_graph_are_in_its_bag(tmp_path, placement,
     options = ("--leader", "pull.yaml", "--realtime", "--bag", str(bag))
     with bringup(tmp_path, *options, *placement) as running:
         running.wait_until_it_runs()
-        assert script(SET, running.environment).wait(PATIENCE) == 0
+        run_script(SET, running.environment)
         running.end()
         assert running.process.returncode == 0, running.complained
     run = read_run(bag)
