@@ -7,7 +7,7 @@ import signal
 
 import numpy as np
 import pytest
-from graph_bench import PATIENCE, beside, bringup, node, processes_of, run, script, wait_until
+from graph_bench import PATIENCE, beside, bringup, node, processes_of, run, run_script, script, wait_until
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.simulate import simulate
@@ -16,7 +16,6 @@ from follower_humanoid.graph.wiring import NODES
 TICKS = 300
 SECONDS = 0.002 * TICKS
 PULL = "- {until: 0.1, right: [3, 0, 0]}\n- {until: 10, left: [6, 2, -10], base: [5, 0, 0]}\n"
-pytestmark = pytest.mark.timeout(300)
 
 
 @pytest.fixture(scope="module")
@@ -170,8 +169,7 @@ def test_a_person_can_push_the_base(place, leader):
     # Never faster than real time, and as long as it takes until the two have found each other.
     options = ("--leader", leader, "--duration", "80", "--realtime", "--composed", "--bag", str(bag))
     with bringup(place, *options) as running:
-        with beside(script(PUSH, running.environment)) as person:
-            assert person.wait(PATIENCE) == 0
+        run_script(PUSH, running.environment)
         running.end()
         assert running.process.returncode == 0, running.complained
     pushed = (recorded(bag)["base/applied"].force == [0.0, 3.5, 0.0]).all(axis=1)
@@ -202,8 +200,7 @@ def test_a_joystick_can_take_the_place_of_gait_mapping(place):
     bag = place / "joystick"
     options = ("--leader", "none", "--without", "gait_mapping", "--duration", "80", "--realtime")
     with bringup(place, *options, "--composed", "--bag", str(bag)) as running:
-        with beside(script(GAIT, running.environment)) as joystick:
-            assert joystick.wait(PATIENCE) == 0
+        run_script(GAIT, running.environment)
         running.end()
         assert running.process.returncode == 0, running.complained
     reference = recorded(bag)["motion/reference"].position
@@ -211,12 +208,15 @@ def test_a_joystick_can_take_the_place_of_gait_mapping(place):
 
 
 FILTER = """
+import time
 import rclpy
 from nav_msgs.msg import Odometry
 rclpy.init()
 node = rclpy.create_node("filter")
-# In this order: who has found the filter by what it publishes has found what it listens to.
-node.create_subscription(Odometry, "odom", lambda message: publisher.publish(message), 1000)
+subscription = node.create_subscription(Odometry, "odom", lambda message: publisher.publish(message), 1000)
+# The run begins once this publisher is found: not before the filter and the simulator know each other.
+while not subscription.get_publisher_count():
+    time.sleep(0.05)
 publisher = node.create_publisher(Odometry, "odom_filtered", 1000)
 rclpy.spin(node)
 """
@@ -271,7 +271,7 @@ def test_a_reset_begins_everything_anew_while_time_goes_on(place, placement):
     options = ("--leader", "none", "--realtime", "--bag", str(bag))
     with bringup(place, *options, "--params", str(patient), *placement) as running:
         running.wait_until_it_runs()
-        assert script(RESET, running.environment).wait(PATIENCE) == 0
+        run_script(RESET, running.environment)
         running.wait_until_time(running.time + 2.0)
         running.end()
         assert running.process.returncode == 0, running.complained
