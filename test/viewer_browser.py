@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from graph_bench import PATIENCE
 
 try:
     from selenium import webdriver
@@ -71,7 +72,6 @@ const area = canvas.getBoundingClientRect();
 return [area.left + area.width * (place.x + 1) / 2, area.top + area.height * (1 - place.y) / 2];"""
 
 
-PATIENCE = 120.0  # a busy machine draws a picture in seconds [s]
 _HARMLESS = "passive event listener"  # of the slider's own key handling
 
 
