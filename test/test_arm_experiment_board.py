@@ -11,7 +11,6 @@ from follower_humanoid.arm_experiment.simulate import simulate_arm
 # The same task as by default, written faster.
 FASTER = {"speed": 0.3, "board.write_speed": 0.25, "board.rest": 0.4}
 STIFFNESS, BOARD, PENETRATION = 1000.0, 2.0e4, 0.005
-pytestmark = pytest.mark.timeout(300)
 
 
 @pytest.fixture(scope="module", params=[0.002, 0.004, 0.001], ids=["500 Hz", "250 Hz", "1000 Hz"])

@@ -9,7 +9,6 @@ from follower_humanoid.arm_experiment.measures import arm_trace, pushes
 from follower_humanoid.arm_experiment.simulate import simulate_arm
 
 TARGET = np.array((0.45, 0.25, 0.40))
-pytestmark = pytest.mark.timeout(300)
 
 
 @pytest.fixture(scope="module", params=[0.002, 0.004, 0.001], ids=["500 Hz", "250 Hz", "1000 Hz"])

@@ -11,7 +11,6 @@ from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.robot.model import RobotModel
 
 BACK_AND_FORTH = {0.6: COMPENSATION, 1.1: IMPEDANCE, 1.3: COMPENSATION, 1.36: IMPEDANCE}
-pytestmark = pytest.mark.timeout(300)
 
 
 def switches(trace):

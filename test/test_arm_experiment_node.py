@@ -6,17 +6,16 @@ import subprocess
 
 import numpy as np
 import pytest
+from graph_bench import PATIENCE
 
 from follower_humanoid.arm_experiment.simulate import simulate_arm
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.resources import node_command
 
-pytestmark = pytest.mark.timeout(300)
-
 
 def start(folder, *args: str) -> subprocess.CompletedProcess[str]:
     command = [*node_command("arm_experiment"), *args]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=200)
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=PATIENCE)
 
 
 @pytest.mark.parametrize("name", ["board", "compliance"])

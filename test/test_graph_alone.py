@@ -3,7 +3,6 @@
 import pytest
 from graph_bench import PATIENCE, beside, bringup, environment, node
 
-pytestmark = pytest.mark.timeout(300)
 OPTIONS = ("--composed", "--leader", "none", "--bag")
 
 

@@ -12,7 +12,6 @@ from graph_bench import run
 from follower_humanoid.graph.simulate import TICK, simulate
 
 TICKS = 150
-pytestmark = pytest.mark.timeout(300)
 
 
 @pytest.fixture(scope="module")

@@ -90,7 +90,6 @@ def test_a_kept_repetition_carries_it_on(run: Run, tmp_path: Path) -> None:
     assert read_run(tmp_path / "bag").holding == HOLDING
 
 
-@pytest.mark.timeout(300)
 def test_a_run_in_real_time_with_a_controller_held_up(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

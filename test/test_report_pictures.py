@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from graph_bench import PATIENCE
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -131,7 +132,7 @@ def test_every_joint_is_in_one_limb(run: Run) -> None:
 
 def report(*args: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "follower_humanoid.nodes.report", *map(str, args)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=200)
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
 
 
 def test_the_executable_reports_on_a_bag(tmp_path: Path) -> None:

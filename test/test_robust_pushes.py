@@ -18,7 +18,6 @@ def ending_of(trial: Trial, push: Push) -> Ending:
     return trial.branch(push.begin + 2.0, push)
 
 
-@pytest.mark.timeout(600)
 def test_a_push_across_at_half_a_metre_per_second_is_caught_either_way() -> None:
     # Both ways at an instant of double support: over the coming stance foot, and away from it.
     trial = Trial(Course(left=(1.0, 0.0, 0.0)), walk(0.30, 0.6))
@@ -30,7 +29,6 @@ def test_a_push_across_at_half_a_metre_per_second_is_caught_either_way() -> None
     trial.close()
 
 
-@pytest.mark.timeout(600)
 @pytest.mark.parametrize(
     ("length", "time", "instant", "impulse"), [(0.35, 0.7, 4.675, -20.0), (0.40, 0.8, 4.7, 20.0)]
 )
@@ -46,7 +44,6 @@ def test_a_push_over_the_stance_foot_is_caught_in_slower_steps_too(
     assert ending.settled
 
 
-@pytest.mark.timeout(600)
 def test_standing_it_takes_a_push_backwards_without_a_step() -> None:
     trial = Trial(Course())
     trial.run(0.3)
