@@ -140,20 +140,15 @@ def test_whoever_forks_knows_how_many_have_not_prepared_yet(preparation):
     assert [process.wait() for process in both] == [0, 0]
 
 
-def test_who_still_prepares_when_the_gate_opens_passes_later(preparation):
+@pytest.mark.parametrize(("change", "status"), [(Gate.open, 5), (Gate.close, 0)])
+def test_who_still_prepares_passes_an_open_gate_later_and_goes_home_from_one_that_is_gone(
+    preparation, change, status
+):
     gate = Gate()
     process = forked(lambda: 5, gate, prepare=preparation.prepare)
-    gate.open()
+    change(gate)
     preparation.end()
-    assert process.wait() == 5
-
-
-def test_who_still_prepares_when_the_gate_is_gone_goes_home(preparation):
-    gate = Gate()
-    process = forked(lambda: 5, gate, prepare=preparation.prepare)
-    gate.close()
-    preparation.end()
-    assert process.wait() == 0
+    assert process.wait() == status
 
 
 def test_a_crew_is_prepared_without_an_onlooker_that_has_died_but_not_without_others(monkeypatch):

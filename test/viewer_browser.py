@@ -7,13 +7,15 @@ import shutil
 import signal
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from graph_bench import PATIENCE
+
+from follower_humanoid.bench.placement import children_of
 
 try:
     from selenium import webdriver
@@ -152,9 +154,7 @@ class Browser:
     @contextmanager
     def hanging(self) -> Iterator[None]:
         """The page does nothing at all: what draws it and runs its scripts is stopped."""
-        renderers = [
-            pid for pid, words in _below(self.driver.service.process.pid) if b"--type=renderer" in words
-        ]
+        renderers = [int(p.name) for p in _below(self.driver.service.process.pid) if _is_renderer(p)]
         assert renderers
         for pid in renderers:
             os.kill(pid, signal.SIGSTOP)
@@ -187,17 +187,14 @@ class Browser:
         self.driver.quit()
 
 
-def _below(ancestor: int) -> list[tuple[int, bytes]]:
-    """Process ids and command lines of everything that a process and those it started have started."""
-    parents: dict[int, int] = {}
-    words: dict[int, bytes] = {}
-    for entry in Path("/proc").glob("[0-9]*"):
-        try:
-            stat, words[int(entry.name)] = (entry / "stat").read_text(), (entry / "cmdline").read_bytes()
-        except OSError:  # gone meanwhile
-            continue
-        parents[int(entry.name)] = int(stat.rpartition(")")[2].split()[1])
-    found = [ancestor]
-    for pid in found:  # grows meanwhile
-        found += [child for child, parent in parents.items() if parent == pid]
-    return [(pid, words[pid]) for pid in found[1:]]
+def _below(ancestor: int) -> Iterator[Path]:
+    """Folders in `/proc` of everything that a process and those it started have started."""
+    for entry in children_of(ancestor):
+        yield entry
+        yield from _below(int(entry.name))
+
+
+def _is_renderer(entry: Path) -> bool:
+    with suppress(OSError):  # gone meanwhile
+        return b"--type=renderer" in (entry / "cmdline").read_bytes()
+    return False

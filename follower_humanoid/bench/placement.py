@@ -135,7 +135,7 @@ def memory_of_children(parent: int, what: str = "Pss") -> dict[str, int]:
     them has a share.
     """
     found: dict[str, int] = {}
-    for entry in _children(parent):
+    for entry in children_of(parent):
         try:
             words: Any = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode().split()
             rollup = (entry / "smaps_rollup").read_text()
@@ -150,13 +150,13 @@ def memory_of_children(parent: int, what: str = "Pss") -> dict[str, int]:
 def cpu_of_children(parent: int) -> float:
     """Processor time that the processes which a process has started have used [s]."""
     used = 0
-    for entry in _children(parent):
+    for entry in children_of(parent):
         with suppress(OSError, IndexError, ValueError):  # gone meanwhile
             used += sum(map(int, _stat(entry)[11:13]))
     return used / os.sysconf("SC_CLK_TCK")
 
 
-def _children(parent: int) -> Iterator[Path]:
+def children_of(parent: int) -> Iterator[Path]:
     """Folders in `/proc` of the processes that a process has started."""
     for entry in Path("/proc").iterdir():
         with suppress(OSError, IndexError, ValueError):  # gone meanwhile

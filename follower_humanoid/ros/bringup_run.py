@@ -8,7 +8,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -129,16 +129,13 @@ class BringupRun:
 
     def _await_crew(self) -> End | None:
         """Lets the nodes begin once all are there; returns an end that came before that."""
-        deadline = time.monotonic() + _LONGEST_PREPARATION
-        while not self._crew.prepared:
-            if (end := self._end_in_sight()) is not None:
-                return end
-            if time.monotonic() > deadline:
-                self._say(f"nodes still not imported after {_LONGEST_PREPARATION:.0f} s")
-                return End(Outcome.LATE)
-            self._director.spin(0.01)
-        self._crew.begin()
-        return None
+        late = f"nodes still not imported after {_LONGEST_PREPARATION:.0f} s"
+        end = self._wait(
+            lambda: "" if self._crew.prepared else late, time.monotonic() + _LONGEST_PREPARATION
+        )
+        if end is None:
+            self._crew.begin()
+        return end
 
     def _lead_to_activity(self) -> End | None:
         """Configures and activates everyone, the simulator last; returns an end that came too early.
@@ -159,13 +156,23 @@ class BringupRun:
         for nodes, transition in stages:
             self._director.begin(nodes, transition)
             self._refuse_company(1)
-            while unanswered := self._director.unanswered():
-                self._director.spin(0.02)
-                if (end := self._end_in_sight()) is not None:
-                    return end
-                if time.monotonic() > deadline:
-                    self._say(f"not ready after {_LONGEST_START:.0f} s: {', '.join(unanswered)}")
-                    return End(Outcome.LATE)
+            if (end := self._wait(self._not_ready, deadline)) is not None:
+                return end
+        return None
+
+    def _not_ready(self) -> str:
+        unanswered = ", ".join(self._director.unanswered())
+        return unanswered and f"not ready after {_LONGEST_START:.0f} s: {unanswered}"
+
+    def _wait(self, complaint: Callable[[], str], deadline: float) -> End | None:
+        """Until there is nothing to complain about; returns an end that came before that, or lateness."""
+        while text := complaint():
+            self._director.spin(0.02)
+            if (end := self._end_in_sight()) is not None:
+                return end
+            if time.monotonic() > deadline:
+                self._say(text)
+                return End(Outcome.LATE)
         return None
 
     def _refuse_company(self, own: int) -> None:

@@ -155,8 +155,7 @@ class LockStepNode(ManagedNode):
             return
         self.away = False
         self.lock.restart(tick + AHEAD)
-        if self.resets.take_if_due() is not None:
-            self._reset_component()
+        self.resets.begin_if_due()
         self.attendance.come_back(self.lock.tick)
 
     def _goes_on_without(self, name: str, tick: int) -> None:
@@ -200,14 +199,9 @@ class LockStepNode(ManagedNode):
         """Begins anew: a fresh component, and nothing from before."""
         self.component = self.wiring.make(self.config, shared_robot(self.graph.urdf), self.graph.tick)
 
-    def _reset_component(self) -> None:
-        if self.component is not None:
-            self.reset()
-
     def _reset_if_due(self) -> None:
-        if (tick := self.resets.take_if_due()) is not None:
+        if (tick := self.resets.begin_if_due()) is not None:
             self.lock.restart(tick)
-            self._reset_component()
 
     def run_ready_steps(self) -> None:
         """Takes every step whose inputs are there."""

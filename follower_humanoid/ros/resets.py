@@ -42,10 +42,12 @@ class Resets:
         self._announcer.announce_reset(tick)
         self._node.run_ready_steps()
 
-    def take_if_due(self) -> int | None:
-        """The tick of a reset that is due, once; None where none is."""
+    def begin_if_due(self) -> int | None:
+        """Resets the component at the tick of a reset, and returns that tick; None where none is due."""
         due = self.due_at
         if due is None or self._node.lock.tick < due:
             return None
         self.due_at = None
+        if self._node.component is not None:
+            self._node.reset()
         return due
