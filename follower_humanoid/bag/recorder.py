@@ -11,6 +11,7 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from follower_humanoid.bag.qos import offered_qos
+from follower_humanoid.bag.thinning import Thinning
 from follower_humanoid.bag.transforms import Made, TransformMaker
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
@@ -98,15 +99,19 @@ class Recorded:
     stamped_at: int = len(HEADER)
 
 
+def is_thinned(topic: str) -> bool:
+    """Whether only a part of a topic's messages is kept."""
+    return topic not in EVERY_MESSAGE and topic not in _AS_THEY_COME
+
+
 def recorded_topics() -> tuple[Recorded, ...]:
     """Every topic of the contract, what else a repetition needs, the clock and the diagnostics."""
     listed = []
     for topic in TOPICS.values():
         # An array of markers begins with its length; the stamp is that of the first marker.
         offset = len(HEADER) + (4 if topic.kind is samples.Footsteps else 0)
-        thinned = topic.name not in EVERY_MESSAGE and topic.name not in _AS_THEY_COME
         reliable = topic.name not in _FROM_PEOPLE
-        listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], thinned, reliable, offset))
+        listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], is_thinned(topic.name), reliable, offset))
     listed.append(Recorded(ADJUSTED, "rcl_interfaces/msg/ParameterEvent", False, True))
     listed.append(Recorded(HOLDING, "std_msgs/msg/Header", False, True))
     listed.append(Recorded("clock", "rosgraph_msgs/msg/Clock", True, False))
@@ -128,7 +133,13 @@ Announce = Callable[[Recorded], tuple[str, list[dict[str, Any]]]]
 
 
 class Recording:
-    """Thins out, sorts and writes what arrives."""
+    """Thins out, sorts and writes what arrives.
+
+    Attributes:
+        slot: Of the stamps of one thinned topic's messages the first in each such time is kept [ns].
+        latest_stamp: Of the newest state [ns], None where there is none yet.
+        missing: States that did not arrive.
+    """
 
     def __init__(
         self, writer: BagWriter, rate: float, tick_ns: int, announce: Announce, urdf: str = ""
@@ -145,11 +156,11 @@ class Recording:
         self._maker = TransformMaker(urdf) if urdf else None
         self._state: Recorded | None = None
         self._writer = writer
-        self._slot = round(NANOSECONDS / rate)
+        self.slot = round(NANOSECONDS / rate)
+        self._thinning = Thinning(self.slot)
         self._tick = tick_ns
         self._announce = announce
         self._channels: dict[str, int] = {}
-        self._last_slot: dict[str, int] = {}
         self._batch: list[Arrival] = []
         self._latched: set[str] = set()
         self.latest_stamp: int | None = None
@@ -165,10 +176,8 @@ class Recording:
         topic = arrival.topic
         if topic.thinned:
             stamp = stamp_of(arrival.data, topic.stamped_at)
-            slot = (stamp if stamp >= 0 else self.latest_stamp or 0) // self._slot
-            if self._last_slot.get(topic.name) == slot:
+            if not self._thinning.keeps(topic.name, stamp if stamp >= 0 else self.latest_stamp or 0):
                 return
-            self._last_slot[topic.name] = slot
         elif topic.name == STATE:
             self._watch(stamp_of(arrival.data, topic.stamped_at))
         self._batch.append(arrival)

@@ -13,17 +13,21 @@ import select
 import socket
 from collections import deque
 from collections.abc import Collection, Iterable
+from contextlib import suppress
 
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.lockstep import hears_clock
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, nodes_with
+from follower_humanoid.ros.parcel import Parcel
 
 # Messages that wait for one who does not listen; the system itself keeps some 25 envelopes more. As many
 # as on a topic; for the recorder four seconds of the fastest: a disk may hesitate that long.
 DEPTH, RECORDER_DEPTH = 1000, 2000
 LARGEST = 1 << 17  # bytes of one message
+_LONGEST_WORD = 64  # bytes of what a hearer says
 # Room for one message of any size, once: to ask for new memory of that size costs more than the message.
 _ARRIVED = memoryview(bytearray(LARGEST))
+PHYSICS = "physics"
 _GONE = (errno.EPIPE, errno.ECONNRESET, errno.ENOTCONN)
 _NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)
 
@@ -41,6 +45,7 @@ class Mouth:
         end.setblocking(False)
         self._end = end
         self._late: deque[bytes] = deque(maxlen=depth)
+        self._word = b""
         self.open = True
         self.lost = 0
 
@@ -57,6 +62,13 @@ class Mouth:
         if self.open and (self._late or not self._push(data)):
             self.lost += len(self._late) == self._late.maxlen
             self._late.append(data)
+
+    def heard_back(self) -> bytes:
+        """What the other one has said last, see `Ear.say`; empty where it has said nothing."""
+        with suppress(OSError):  # nothing there, or nobody
+            while self.open and (word := self._end.recv(_LONGEST_WORD)):
+                self._word = word
+        return self._word
 
     def flush(self) -> int:
         """Sends what was kept, as far as it goes; returns how many messages are left."""
@@ -119,6 +131,11 @@ class Ear:
             return None
         return _ARRIVED[:size].tobytes()
 
+    def say(self, word: bytes) -> None:
+        """Says something to the one who is heard, who need not listen."""
+        with suppress(OSError):
+            self._end.send(word)
+
     def close(self) -> None:
         """Hears no more."""
         if self.open:
@@ -132,19 +149,36 @@ class Lines:
 
     Attributes:
         mouths, ears: By the nodes at both ends: who sends, who hears.
+        physics, served: The ends of the line from the simulator to a process that does its physics.
     """
 
     def __init__(self) -> None:
         """None yet."""
         self.mouths: dict[tuple[str, str], Mouth] = {}
         self.ears: dict[tuple[str, str], Ear] = {}
+        self.physics: socket.socket | None = None
+        self.served: socket.socket | None = None
+        self._parcels: dict[Mouth, Parcel] = {}
 
-    def lay(self, pairs: Iterable[tuple[str, str]]) -> None:
-        """Lays them, for every process that is forked from now on. Args: who sends to whom."""
+    def lay_to_physics(self) -> None:
+        """The simulator of a process that is forked from now on does its physics in another one."""
+        self.physics, self.served = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+
+    def lay(self, pairs: Iterable[tuple[str, str]], composed: bool = False) -> None:
+        """Lays them, for every process that is forked from now on.
+
+        Args:
+            pairs: Who sends to whom.
+            composed: Whether all who send share one process, and so one line to each who hears.
+        """
+        laid: dict[tuple[str, str], tuple[Mouth, Ear]] = {}
         for pair in pairs:
-            sending, hearing = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-            self.mouths[pair] = Mouth(sending, RECORDER_DEPTH if pair[1] == RECORDER else DEPTH)
-            self.ears[pair] = Ear(hearing)
+            line = ("", pair[1]) if composed else pair
+            if line not in laid:
+                sending, hearing = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+                depth = RECORDER_DEPTH if pair[1] == RECORDER else DEPTH
+                laid[line] = Mouth(sending, depth), Ear(hearing)
+            self.mouths[pair], self.ears[pair] = laid[line]
 
     def keep(self, names: Collection[str]) -> None:
         """Lets go of all ends but those of the given nodes: only so does a hearer learn of an end."""
@@ -152,10 +186,26 @@ class Lines:
             self.mouths.pop(pair).close()
         for pair in [pair for pair in self.ears if pair[1] not in names]:
             self.ears.pop(pair).close()
+        if self.physics is not None and SIMULATOR not in names:
+            self.physics.close()
+            self.physics = None
+        if self.served is not None and PHYSICS not in names:
+            self.served.close()
+            self.served = None
 
     def mouths_of(self, name: str) -> dict[str, Mouth]:
         """Whom a node can reach, and where."""
         return {hearer: mouth for (sender, hearer), mouth in self.mouths.items() if sender == name}
+
+    def parcel_of(self, name: str) -> Parcel | None:
+        """What goes to the recorder from a node and those that share its line; None without a recorder."""
+        mouth = self.mouths.get((name, RECORDER))
+        if mouth is None:
+            return None
+        if mouth not in self._parcels:
+            alone = sum(other is mouth for other in self.mouths.values()) == 1
+            self._parcels[mouth] = Parcel(mouth.send, alone)
+        return self._parcels[mouth]
 
     def ear_of(self, name: str, sender: str) -> Ear | None:
         """Where a node hears another; None where it does not."""
@@ -164,9 +214,10 @@ class Lines:
 
     def hear_only(self, name: str, senders: Collection[str]) -> None:
         """Closes the ears of a node for all others: nobody keeps messages for who will not listen."""
-        for sender, hearer in self.ears:
-            if hearer == name and sender not in senders:
-                self.ears[sender, hearer].close()
+        heard = [self.ears[pair] for pair in self.ears if pair[1] == name and pair[0] in senders]
+        for pair, ear in self.ears.items():
+            if pair[1] == name and ear not in heard:
+                ear.close()
 
 
 BORN_WITH = Lines()

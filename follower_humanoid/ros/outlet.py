@@ -124,6 +124,7 @@ class Outlet:
             self._slow_listeners.look()
         self._absent_heard = self._absent.get_subscription_count() > 0
         self._exhibit.look()
+        self._lines.look()
 
     def send(self, outputs: Any, tick: int) -> None:
         """Sends every output that is there, and says of the others that they are not."""
@@ -137,8 +138,10 @@ class Outlet:
         of_slow = (slow_heard or self._lines.reach_slow) and self._is_used_by_slow(tick)
         sealed = self._sealed_listeners.others
         messages: dict[str, bytes] = {}
-        if sealed or of_slow or self._lines.reach_quick:  # first what others wait for
-            data, places = self._writer.seal(samples, stamp)
+        whole = sealed or of_slow or self._lines.reach_quick
+        if whole or self._lines.recorded:  # first what others wait for
+            kept = samples if whole or self._heard else self._lines.kept(samples, stamp)
+            data, places = self._writer.seal(kept, stamp)
             self._lines.send(data, of_slow)
             if sealed:
                 self._sealed.publish(data)

@@ -67,7 +67,7 @@ class RecorderNode(ManagedNode):
         self._recording = Recording(
             self._writer, self.config.rate, self.tick_ns, self._taps.announce, about.urdf
         )
-        self._taps.open()
+        self._taps.open(self._recording.slot)
 
     def start(self) -> None:
         """Begins to empty the queues."""

@@ -24,7 +24,8 @@ from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic
 from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.lines import BORN_WITH, Ear
-from follower_humanoid.ros.outgoing import SENT_AT
+from follower_humanoid.ros.outgoing import SLOT
+from follower_humanoid.ros.parcel import unpacked
 from follower_humanoid.ros.qos import UNREAD
 from follower_humanoid.ros.validation import MessageError
 
@@ -100,11 +101,16 @@ class RecorderTaps:
         """Args: who listens."""
         self._node = node
         self._by_name: dict[str, tuple[Recorded, Any]] = {}
-        self._envelopes: list[_EnvelopeTap] = []
+        self._envelopes: dict[str, _EnvelopeTap] = {}  # by who sends them
+        self._lines: list[Ear] = []
         self._copies = _LeaderCopies()
 
-    def open(self) -> None:
-        """Subscribes."""
+    def open(self, slot: int) -> None:
+        """Subscribes.
+
+        Args:
+            slot: Of thinned topics [ns]: a process that sends to nobody else need send no more.
+        """
         waiting = {topic.name: topic for topic in recorded_topics()}
         for name, wiring in nodes_with(self._node.present).items():
             envelope = Envelope(wiring)
@@ -118,10 +124,13 @@ class RecorderTaps:
             with_clock = name == SIMULATOR and not comes_by_itself(self._node, CLOCK)
             clock = waiting.pop(CLOCK) if with_clock else None
             line = BORN_WITH.ear_of(RECORDER, name)
+            if line is not None and line not in self._lines:
+                line.say(SLOT.pack(slot))
+                self._lines.append(line)
             qos = _RELIABLE if line is None else UNREAD
             subscription = self._subscribe(_ENVELOPE, envelope_topic(name), qos)
-            self._envelopes.append(_EnvelopeTap(envelope, parts, clock, line, subscription))
-        BORN_WITH.hear_only(RECORDER, [tap.envelope.node for tap in self._envelopes])
+            self._envelopes[name] = _EnvelopeTap(envelope, parts, clock, line, subscription)
+        BORN_WITH.hear_only(RECORDER, self._envelopes)
         for topic in waiting.values():
             self._listen(topic)
 
@@ -132,58 +141,68 @@ class RecorderTaps:
             self._node.destroy_subscription(subscription)
         self._by_name.clear()
         self._envelopes.clear()
+        self._lines.clear()
 
     @property
     def subscriptions(self) -> Iterator[Any]:
         """All of them, which no executor has to look after."""
         yield from (subscription for _, subscription in self._by_name.values())
-        yield from (tap.subscription for tap in self._envelopes)
+        yield from (tap.subscription for tap in self._envelopes.values())
 
     def take(self, recording: Recording) -> bool:
         """Empties the queues; returns whether a line was full, so that there is likely to be more soon."""
-        full = False
         for topic, subscription in list(self._by_name.values()):
             for data, received, published in _queue(subscription):
                 if topic.name not in PEOPLE or self._copies.is_new(topic.name, data, sealed=False):
                     recording.take(Arrival(topic, data, received, published))
-        for tap in self._envelopes:
-            arrivals = _queue(tap.subscription) if tap.line is None else _heard(tap.line)
+        for tap in self._envelopes.values():
+            if tap.line is None:
+                for data, received, published in _queue(tap.subscription):
+                    self._open(tap, data, (received, published), recording)
+        full = False
+        for line in self._lines:
             count = 0
-            for data, received, published in arrivals:
+            while (parcel := line.take()) is not None:
                 count += 1
-                try:
-                    stamp, messages = tap.envelope.open(data)
-                    if not 0 <= stamp <= LARGEST_STAMP:
-                        raise MessageError(tap.envelope.name, f"stamp {stamp} ns is no time")
-                except MessageError as error:
-                    self._node.reject(error)
-                    continue
-                if tap.clock is not None:
-                    recording.take(Arrival(tap.clock, clock_bytes(stamp), received, published))
-                for part, message in zip(tap.parts, messages, strict=True):
-                    if part is None or not message:
-                        continue
-                    if part.name not in PEOPLE or self._copies.is_new(part.name, message, sealed=True):
-                        recording.take(Arrival(part, message, received, published))
-            full = full or (tap.line is not None and count >= _FULL)
+                for sender, data, at in unpacked(parcel):
+                    if sender in self._envelopes:
+                        self._open(self._envelopes[sender], data, (at, at), recording)
+            full = full or count >= _FULL
         return full
+
+    def _open(self, tap: _EnvelopeTap, data: bytes, times: tuple[int, int], recording: Recording) -> None:
+        """Hands on what is in an envelope; `times` as of an arrival."""
+        try:
+            stamp, messages = tap.envelope.open(data)
+            if not 0 <= stamp <= LARGEST_STAMP:
+                raise MessageError(tap.envelope.name, f"stamp {stamp} ns is no time")
+        except MessageError as error:
+            self._node.reject(error)
+            return
+        if tap.clock is not None:
+            recording.take(Arrival(tap.clock, clock_bytes(stamp), *times))
+        for part, message in zip(tap.parts, messages, strict=True):
+            if part is None or not message:
+                continue
+            if part.name not in PEOPLE or self._copies.is_new(part.name, message, sealed=True):
+                recording.take(Arrival(part, message, *times))
 
     def hears_everyone(self) -> bool:
         """Whether every node of the graph has been found, by its envelope or by its topics."""
         return all(
             tap.subscription.get_publisher_count() or all(self._publishers(topic) for topic in tap.topics)
-            for tap in self._envelopes
+            for tap in self._envelopes.values()
         )
 
     def has_simulator(self) -> bool:
         """Whether anybody is there who sends states."""
-        states = (tap for tap in self._envelopes if any(topic.name == STATE for topic in tap.topics))
+        states = (tap for tap in self._envelopes.values() if any(topic.name == STATE for topic in tap.topics))
         by_envelope = any(tap.subscription.get_publisher_count() for tap in states)
         return by_envelope or self._publishers_of(STATE) > 0
 
     def look_for_strangers(self) -> None:
         """Listens by name to those who took the place of a node and send no envelopes."""
-        for tap in self._envelopes:
+        for tap in self._envelopes.values():
             published = [topic for topic in tap.topics if self._node.count_publishers(topic.name)]
             if tap.subscription.get_publisher_count() or not published:
                 tap.strange_since = None
@@ -217,13 +236,6 @@ class RecorderTaps:
         package, _, name = type_name.partition("/msg/")
         message_type = getattr(importlib.import_module(f"{package}.msg"), name)
         return self._node.create_subscription(message_type, topic, lambda _: None, qos, raw=True)
-
-
-def _heard(line: Ear) -> Iterator[tuple[bytes, int, int]]:
-    """The same from a line, which takes no time worth telling."""
-    while (data := line.take()) is not None:
-        (at,) = SENT_AT.unpack_from(data)
-        yield data[SENT_AT.size :], at, at
 
 
 def _queue(subscription: Any) -> Iterator[tuple[bytes, int, int]]:
