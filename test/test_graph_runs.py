@@ -68,6 +68,8 @@ def test_one_process_and_one_per_node_and_no_ros_at_all_agree_bit_for_bit(place,
             once = np.isin(ticks, alone[topic].ticks)
             for name, values in alone[topic].fields.items():
                 np.testing.assert_array_equal(other[topic].fields[name][once], values, f"{topic} {name}")
+        for topic in ("balance/reference", "motion/reference", "gait"):  # of which the bag keeps a part
+            np.testing.assert_array_equal(other[topic].ticks, separate[1][topic].ticks)
         assert other["joint_states"].position[:TICKS].tobytes() == alone["joint_states"].position.tobytes()
 
 
@@ -90,7 +92,7 @@ def test_sigterm_ends_a_composed_run_too(place):
         assert running.process.returncode == 0
 
 
-@pytest.mark.parametrize(("placement", "processes"), [([], len(NODES)), (["--composed"], 1)])
+@pytest.mark.parametrize(("placement", "processes"), [([], len(NODES)), (["--composed"], 2)])
 def test_it_can_be_stopped_while_it_starts(place, placement, processes):
     with bringup(place, "--bag", "none", *placement) as running:
         assert wait_until(lambda: len(running.children()) == processes)
@@ -106,6 +108,41 @@ def test_a_lost_node_is_named(place):
         assert running.wait() == 1
         assert "lost: gait_mapping, killed by SIGKILL" in running.complained
     assert len(recorded(bag)["joint_states"]) > 1
+
+
+def test_composed_nodes_do_not_outlive_their_physics(place):
+    bag = place / "without_physics"
+    with bringup(place, "--composed", "--bag", str(bag)) as running:
+        running.wait_until_it_runs()
+        os.kill(running.child("physics"), signal.SIGKILL)
+        assert running.wait() == 1
+        assert "physics" in running.complained
+    assert len(recorded(bag)["joint_states"]) > 1
+
+
+def test_physics_does_not_outlive_composed_nodes(place):
+    with bringup(place, "--composed", "--bag", "none") as running:
+        running.wait_until_it_runs()
+        os.kill(running.child("composed"), signal.SIGKILL)
+        assert running.wait() == 1
+        assert "lost: composed" in running.complained
+        assert running.children() == []
+
+
+def test_physics_that_hangs_ends_the_run(place):
+    with bringup(place, "--composed", "--bag", "none", "--ros-args", "-p", "watchdog:=4.0") as running:
+        running.wait_until_it_runs()
+        os.kill(running.child("physics"), signal.SIGSTOP)
+        assert running.wait() == 1
+        assert "has been silent for 4 s" in running.complained
+
+
+def test_one_processor_has_no_use_for_another_process(place):
+    with bringup(place, "--composed", "--bag", "none", one_processor=True) as running:
+        running.wait_until_it_runs()
+        assert [words for _, words in running.children() if "/physics " in words] == []
+        running.end(signal.SIGINT)
+        assert running.process.returncode == 0
 
 
 def test_a_node_that_hangs_is_named_with_what_it_owes(place):

@@ -114,8 +114,12 @@ class BringupRun:
         plan = self._plan
         if not plan.options.composed:
             import_components()
-        BORN_WITH.lay(line_pairs(plan.nodes, plan.options.composed, plan.options.bag is not None))
+        composed = plan.options.composed
+        BORN_WITH.lay(line_pairs(plan.nodes, composed, plan.options.bag is not None), composed)
         if plan.options.composed:
+            if SIMULATOR in plan.nodes and len(os.sched_getaffinity(0)) > 1:
+                BORN_WITH.lay_to_physics()
+                self._crew.fork_physics(arguments)
             nodes = ["--nodes", ",".join(plan.nodes)]
             self._crew.fork(COMPOSED, [*nodes, *arguments], plan.nodes, prepare=import_components)
         else:

@@ -10,16 +10,18 @@ import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
+from follower_humanoid.ros.courtesy import give_way
 from follower_humanoid.ros.forked import Forked, Gate
-from follower_humanoid.ros.lines import BORN_WITH
+from follower_humanoid.ros.lines import BORN_WITH, PHYSICS
 from follower_humanoid.ros.spin import PARENT, die_with_parent
 from follower_humanoid.ros.type_support import load_type_support
 
 _LONGEST_WRITING = 20.0  # wall time that a busy writer of a bag gets beyond the end [s]
-_ASIDE = 10  # niceness of who only looks on; Linux's idle policy would stop its page on a full machine
 _LONGEST_ASIDE = 1.0  # wall time that who only looks on gets when all others have ended [s]
 _BUSY = 0.5  # wall time in which it must get anything done [s]
 
@@ -69,14 +71,48 @@ class Crew:
         """
         main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
         load_type_support()
+        self._fork(name, [*node_command(name), *args], nodes, partial(main, list(args)), aside, prepare)
+
+    def fork_physics(self, args: Sequence[str]) -> None:
+        """Starts the process that does the physics for the simulator in another one; it waits for `begin`.
+
+        Args:
+            args: Shown by `ps -f` only: they tell whose it is.
+        """
+        module = "follower_humanoid.plant.remote_simulator"
+        served = BORN_WITH.served
+        if served is None:
+            raise ValueError("there is no line to the physics")
+
+        def prepare() -> None:
+            importlib.import_module(module)
+
+        def main() -> int:
+            for number in (signal.SIGINT, signal.SIGTERM):  # it ends when the simulator does
+                signal.signal(number, signal.SIG_IGN)
+            importlib.import_module(module).serve(served)
+            return 0
+
+        python, simulator = node_command(SIMULATOR)
+        command = [python, str(Path(simulator).with_name(PHYSICS)), *args]
+        self._fork(PHYSICS, command, (PHYSICS,), main, False, prepare)
+
+    def _fork(
+        self,
+        name: str,
+        command: Sequence[str],
+        nodes: tuple[str, ...],
+        main: Callable[[], int],
+        aside: bool,
+        prepare: Callable[[], object],
+    ) -> None:
         gc.freeze()  # pages that no collection touches stay shared
-        command = [*node_command(name), *args]
 
         def live() -> int:
             BORN_WITH.keep(nodes)
-            if aside:
-                os.nice(_ASIDE)
-            return int(main(list(args)))
+            if name != PHYSICS:
+                give_way(nodes, aside)
+            return int(main())
 
         def get_ready() -> None:
             die_with_parent()  # before a compilation, which may take a minute

@@ -69,7 +69,7 @@ class LockStepNode(ManagedNode):
         self.bus = bus
         self.inlet = Inlet(self)
         if bus is not None:
-            bus.join(wiring.name, self.run_ready_steps)
+            bus.join(wiring.name, self.run_ready_steps, wiring.same_tick)
         self.started = self.idle = self.away = False
         self.outlet: Outlet
         self.codecs: dict[str, Codec] = {}
@@ -81,10 +81,13 @@ class LockStepNode(ManagedNode):
         self._watchdog = Watchdog(self)
 
     def _make_lock(self) -> LockStep:
-        hold = round(STALE / self.graph.tick)
-        return LockStep(self.wiring, self.present, self.awaited_topics(), hold)
+        return LockStep(self.wiring, self.present, self.awaited_topics(), round(STALE / self.graph.tick))
 
     # What subclasses say.
+
+    def make_component(self) -> Any:
+        """A fresh component."""
+        return self.wiring.make(self.config, shared_robot(self.graph.urdf), self.graph.tick)
 
     def awaited_topics(self) -> tuple[str, ...]:
         """Inputs that are lock-stepped; empty for all."""
@@ -117,15 +120,12 @@ class LockStepNode(ManagedNode):
 
     def set_up(self) -> None:
         """Makes the component, and at the first time the endpoints."""
-        robot = shared_robot(self.graph.urdf)
-        self.component = self.wiring.make(self.config, robot, self.graph.tick)
+        self.component = self.make_component()
         if self.starting.barrier is not None:
             return
         self.starting.barrier = barrier = Barrier(self, self.present)
-        self.codecs = {
-            topic: Codec(topic, robot)
-            for topic in (*self.wiring.inputs.values(), *self.wiring.outputs.values())
-        }
+        topics = (*self.wiring.inputs.values(), *self.wiring.outputs.values())
+        self.codecs = {topic: Codec(topic, shared_robot(self.graph.urdf)) for topic in topics}
         self.outlet = Outlet(self, self.codecs)
         self.outlet.watch(barrier, self.readers_of_more())
         if self._adjusted is not None:
@@ -197,7 +197,7 @@ class LockStepNode(ManagedNode):
 
     def reset(self) -> None:
         """Begins anew: a fresh component, and nothing from before."""
-        self.component = self.wiring.make(self.config, shared_robot(self.graph.urdf), self.graph.tick)
+        self.component = self.make_component()
 
     def _reset_if_due(self) -> None:
         if (tick := self.resets.begin_if_due()) is not None:
@@ -218,7 +218,7 @@ class LockStepNode(ManagedNode):
                 else:
                     self.step(tick, samples)
             except Exception as error:  # a component that breaks ends the run, and says where
-                self.quit(1, f"{self.wiring.name} at tick {tick}: {type(error).__name__}: {error}")
+                self.break_down(error, f"{self.wiring.name} at tick {tick}: ")
                 return
             self._toll.add(time.perf_counter() - begin)
             self._reset_if_due()

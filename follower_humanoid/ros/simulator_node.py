@@ -18,9 +18,11 @@ from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.pace import Durations, Pace
 from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
+from follower_humanoid.plant.remote_simulator import RemoteSimulator
 from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
 from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.ros.holding import HoldingDrives
+from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.lockstep_node import LockStepNode
 from follower_humanoid.ros.managed_node import FAILED
 from follower_humanoid.ros.outcome import ENDED, EXIT_STATUS
@@ -44,7 +46,7 @@ class SimulatorNode(LockStepNode):
         super().__init__(node_wiring(SIMULATOR), **options)
         self.run: RunConfig = declare(self, RunConfig)
         self._roll_call = RollCall(self, self.present, self._all_know, self.reject)
-        self._waiting_for_all = False
+        self._waiting_for_all = self._under_way = False
         self._peak_voltage, self._saturated = 0.0, 0
         self.create_service(Trigger, "reset", self._reset_asked)
         self._inputs = self.wiring.component_class().Inputs
@@ -57,6 +59,15 @@ class SimulatorNode(LockStepNode):
         self._speed = (0.0, 0)
         self._pace: Pace | None = None
         self._holding = HoldingDrives(self)
+
+    def make_component(self) -> Any:
+        """The simulator, in a process of its own where this one was born with a line to it."""
+        line = BORN_WITH.physics
+        if line is None:
+            return super().make_component()
+        graph = self.graph
+        robot = shared_robot(graph.urdf)
+        return RemoteSimulator(line, graph.watchdog, self.config, graph.urdf, robot, graph.tick)
 
     def awaited_topics(self) -> tuple[str, ...]:
         """Commands of what can move, and the leader's wrenches where the built-in leader runs."""
@@ -114,7 +125,7 @@ class SimulatorNode(LockStepNode):
 
     def may_step(self) -> bool:
         """In real time, not before the tick is over on the wall's clock too."""
-        if self._waiting_for_all:
+        if self._waiting_for_all or self._under_way:
             return False
         if not self.lock.paced and self._pace is None:
             self.tell_once("no commands with stamps of the tick: in real time from here on")
@@ -163,12 +174,32 @@ class SimulatorNode(LockStepNode):
             self.component.reset()
         else:
             self.component.advance(inputs)
-        self._publish_state()
         self._note_voltages(inputs)
+        if self.bus is None:
+            self._arrive()
+        else:  # the others go on while the physics does, where it has a process of its own
+            self._under_way = True
+            self.bus.at_last(self._arrive_later)
+
+    def _arrive(self) -> None:
+        """The state of the next tick is there."""
+        self._publish_state()
         now = time.monotonic()
         self._tick_times.add(now - self._stepped)
         self._stepped = now
         self._look_for_end()
+
+    def _arrive_later(self) -> None:
+        self._under_way = False
+        if self.component is None:  # it was cleaned up meanwhile
+            return
+        try:
+            self._arrive()
+        except Exception as error:
+            self.break_down(error, f"{SIMULATOR} at tick {self.lock.tick - 1}: ")
+            return
+        if self.lock.paced:
+            self.run_ready_steps()
 
     def reset(self) -> None:
         """The robot stands already; what follows the reset is nobody's old result."""
@@ -200,7 +231,7 @@ class SimulatorNode(LockStepNode):
         volts = [volt for command in commands for volt in command.effort.tolist()]
         peak = max(max(volts), -min(volts)) if volts else 0.0
         self._peak_voltage = max(self._peak_voltage, peak)
-        self._saturated += peak >= self.component.plant.motors.voltage_limit
+        self._saturated += peak >= self.component.voltage_limit
 
     def _publish_state(self) -> None:
         tick, state = self.lock.tick, self.component.observe()

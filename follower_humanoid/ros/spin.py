@@ -11,7 +11,6 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from types import FrameType
 from typing import Any, cast
 
@@ -94,7 +93,6 @@ def run(
         else the status of the node that ended first.
     """
     die_with_parent()
-    _let_others_finish()
     stop = StopSignal()
     nodes: list[ManagedNode] = []
     try:
@@ -134,17 +132,6 @@ def start_ros(args: list[str] | None) -> None:
         given = " ".join(sys.argv[1:] if args is None else args)
         reason = re.sub(r", at \S+", "", " ".join(str(error).split()))
         raise ConfigurationError(f"{given}: {reason}") from None
-
-
-def _let_others_finish() -> None:
-    """Asks the kernel not to interrupt whoever runs when a message wakes us.
-
-    A node sends to up to seven others per tick; if the first one takes its place, the last ones wait
-    for their messages.
-    """
-    if hasattr(os, "SCHED_BATCH"):
-        with suppress(OSError):  # not allowed everywhere, and not needed
-            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
 
 def _spin(nodes: list[ManagedNode], stop: StopSignal, bus: Bus | None) -> int:
