@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.thinning import Thinning
-from follower_humanoid.bag.transforms import Made, TransformMaker
+from follower_humanoid.bag.transforms import TRANSFORMED, Made, TransformMaker
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
 from follower_humanoid.core.cdr import HEADER, NANOSECONDS, stamp_of
@@ -181,7 +181,7 @@ class Recording:
         elif topic.name == STATE:
             self._watch(stamp_of(arrival.data, topic.stamped_at))
         self._batch.append(arrival)
-        if self._maker is not None:
+        if self._maker is not None and topic.name in TRANSFORMED:
             self._make(self._maker, arrival)
 
     def flush(self) -> int:

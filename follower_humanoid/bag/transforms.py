@@ -67,6 +67,10 @@ def string_message(text: str) -> bytes:
     return bytes(message.data)
 
 
+TRANSFORMED = frozenset({"odom", "joint_states"})
+"""Topics that say where the robot is."""
+
+
 class TransformMaker:
     """Follows the robot's state and says where its frames are."""
 
@@ -96,7 +100,7 @@ class TransformMaker:
     def take(self, topic: str, data: bytes) -> Made | None:
         """Takes a serialised `joint_states` or `odom`; returns the transforms where they are due."""
         try:
-            if topic not in ("odom", "joint_states") or not self._wanted(data):
+            if topic not in TRANSFORMED or not self._wanted(data):
                 return None
             if topic == "odom":
                 cursor = Cursor(data)

@@ -101,8 +101,8 @@ class Envelope:
         stamp = self.stamp(data)
         messages = []
         at = self.contents
-        for length in self._lengths.unpack(self.lengths(data)):
-            messages.append(data[at : at + length])
+        for length in self._lengths.unpack_from(data, at - self._lengths.size):
+            messages.append(data[at : at + length] if length else b"")
             at += length
         if at > len(data):
             raise MessageError(self.name, f"cut short: {len(data)} bytes of {at}")
