@@ -110,41 +110,6 @@ def test_a_lost_node_is_named(place):
     assert len(recorded(bag)["joint_states"]) > 1
 
 
-def test_composed_nodes_do_not_outlive_their_physics(place):
-    bag = place / "without_physics"
-    with bringup(place, "--composed", "--bag", str(bag)) as running:
-        running.wait_until_it_runs()
-        os.kill(running.child("physics"), signal.SIGKILL)
-        assert running.wait() == 1
-        assert "physics" in running.complained
-    assert len(recorded(bag)["joint_states"]) > 1
-
-
-def test_physics_does_not_outlive_composed_nodes(place):
-    with bringup(place, "--composed", "--bag", "none") as running:
-        running.wait_until_it_runs()
-        os.kill(running.child("composed"), signal.SIGKILL)
-        assert running.wait() == 1
-        assert "lost: composed" in running.complained
-        assert running.children() == []
-
-
-def test_physics_that_hangs_ends_the_run(place):
-    with bringup(place, "--composed", "--bag", "none", "--ros-args", "-p", "watchdog:=4.0") as running:
-        running.wait_until_it_runs()
-        os.kill(running.child("physics"), signal.SIGSTOP)
-        assert running.wait() == 1
-        assert "has been silent for 4 s" in running.complained
-
-
-def test_one_processor_has_no_use_for_another_process(place):
-    with bringup(place, "--composed", "--bag", "none", one_processor=True) as running:
-        running.wait_until_it_runs()
-        assert [words for _, words in running.children() if "/physics " in words] == []
-        running.end(signal.SIGINT)
-        assert running.process.returncode == 0
-
-
 def test_a_node_that_hangs_is_named_with_what_it_owes(place):
     with bringup(place, "--bag", "none", "--ros-args", "-p", "watchdog:=4.0") as running:
         running.wait_until_it_runs()

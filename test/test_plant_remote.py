@@ -118,11 +118,15 @@ def test_an_error_in_a_step_comes_out_where_its_state_is_asked_for():
 def test_the_end_of_its_process_is_noticed():
     with server() as (line, process):
         there = remote(line)
+        told = there.diagnostics()
         os.kill(process.pid, signal.SIGKILL)
         process.join()
-        with pytest.raises(PhysicsError, match="is gone"):
-            there.advance(SimulatorInputs())
-            there.observe()
+        there.advance(SimulatorInputs())
+        assert there.diagnostics() == told  # what it said last
+        for ask in (there.observe, there.reset, lambda: there.advance(SimulatorInputs())):
+            with pytest.raises(PhysicsError, match="is gone"):
+                ask()
+        there.close()
 
 
 def test_silence_is_not_waited_for_for_ever():
@@ -130,8 +134,25 @@ def test_silence_is_not_waited_for_for_ever():
         there = remote(line, patience=0.05)
         os.kill(process.pid, signal.SIGSTOP)
         there.advance(SimulatorInputs())
-        with pytest.raises(PhysicsError, match="silent for 0.05 s"):
-            there.observe()
+        for _ in range(2):  # nothing is asked again of who has been silent: its late answers would be others'
+            with pytest.raises(PhysicsError, match="silent for 0.05 s"):
+                there.observe()
+            os.kill(process.pid, signal.SIGCONT)
+        assert there.diagnostics() == {}
+
+
+def test_making_it_takes_what_it_takes():
+    with server() as (line, _):
+        remote(line, patience=1e-3)
+        remote(line)
+
+
+def test_an_answer_that_nobody_wants_is_no_error():
+    with server() as (line, process):
+        remote(line).advance(SimulatorInputs())
+        line.close()
+        process.join()
+        assert process.exitcode == 0
 
 
 def test_frames_are_known_without_asking():

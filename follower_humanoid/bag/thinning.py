@@ -7,7 +7,7 @@ class Thinning:
     """Says which messages are kept, in the order of their stamps.
 
     Attributes:
-        slot: Length of a slot [ns].
+        slot: In each such time the first message of a topic is kept [ns].
     """
 
     def __init__(self, slot: int) -> None:

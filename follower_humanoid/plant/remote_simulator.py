@@ -10,6 +10,7 @@ import pickle
 import socket
 import struct
 import time
+from contextlib import suppress
 from typing import Any
 
 from follower_humanoid.core.sample_bytes import packed, unpacked
@@ -62,29 +63,37 @@ class RemoteSimulator:
         self.voltage_limit = config.motors.chosen().voltage_limit
         self.fall: Fall | None = None
         self._under_way = False
+        self._error: FollowerError | None = None
         self._outputs: SimulatorOutputs
+        self._told: dict[str, float | int | str] = {}
+        self._wait_for(0.0)  # however long that takes: whoever starts us looks at the clock
         self._begin("make", config, urdf, period)
-        self.observe()  # however long that takes: whoever starts us looks at the clock
-        timeout = _TIMEOUT.pack(*divmod(round(1e6 * patience), 1_000_000))
-        end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, timeout)
+        self.observe()
+        self._wait_for(patience)
 
     def advance(self, inputs: SimulatorInputs) -> None:
-        """Begins a control tick."""
-        self._settle()
+        """Begins a control tick.
+
+        Raises:
+            PhysicsError: See `observe`.
+        """
+        self.observe()
         self._begin("advance", *packed(inputs))
 
     def reset(self) -> None:
         """Takes the place of a control tick: at the next one the robot is back on its feet."""
-        self._settle()
+        self.observe()
         self._begin("reset")
 
     def observe(self) -> SimulatorOutputs:
         """The state of the current tick, once it is reached.
 
         Raises:
-            PhysicsError: See `Simulator.advance`; or there is no answer.
+            PhysicsError: See `Simulator.advance`; or there is no answer. From then on it stays at that.
         """
         self._settle()
+        if self._error is not None:
+            raise self._error
         return self._outputs
 
     def knows_frame(self, name: str) -> bool:
@@ -92,17 +101,20 @@ class RemoteSimulator:
         return knows_frame(self._robot, name)
 
     def diagnostics(self) -> dict[str, float | int | str]:
-        """See `Simulator`, and the processor time that its process has used per tick [s]."""
+        """See `Simulator`, and the processor time that its process has used per tick [s].
+
+        What it said last where there is no answer: `observe` raises that.
+        """
         self._settle()
-        self._send("diagnostics")
-        values: dict[str, float | int | str] = self._answer()
-        return values
+        told = self._asked("diagnostics")
+        if told is not None:
+            self._told = told
+        return self._told
 
     def close(self) -> None:
-        """Ends the physics server, but not its process."""
+        """Closes its world; another one can be made on the same line."""
         self._settle()
-        self._send("close")
-        self._answer()
+        self._asked("close")
 
     def _begin(self, call: str, *arguments: Any) -> None:
         self._send(call, *arguments)
@@ -111,44 +123,61 @@ class RemoteSimulator:
     def _settle(self) -> None:
         if self._under_way:
             self._under_way = False
-            layout, data, self.fall = self._answer()
-            self._outputs = SimulatorOutputs(*unpacked(layout, data))
+            answer = self._answer()
+            if answer is not None:
+                layout, data, self.fall = answer
+                self._outputs = SimulatorOutputs(*unpacked(layout, data))
+
+    def _asked(self, call: str) -> Any:
+        self._send(call)
+        return self._answer()
 
     def _send(self, call: str, *arguments: Any) -> None:
+        if self._error is not None:
+            return
         try:
             self._end.send(pickle.dumps((call, arguments)))
         except OSError as error:
-            raise PhysicsError(f"{_IT} is gone: {error.strerror}") from None
+            self._error = PhysicsError(f"{_IT} is gone: {error.strerror}")
 
     def _answer(self) -> Any:
+        """What comes back; None where nothing does, or an error."""
+        if self._error is not None:
+            return None
         try:
             data = self._end.recv(_LARGEST)
         except BlockingIOError:
-            raise PhysicsError(f"{_IT} has been silent for {self._patience:g} s") from None
-        except OSError as error:
-            raise PhysicsError(f"{_IT} is gone: {error.strerror}") from None
+            self._error = PhysicsError(f"{_IT} has been silent for {self._patience:g} s")
+            return None
+        except OSError:
+            data = b""
         if not data:
-            raise PhysicsError(f"{_IT} is gone")
+            self._error = PhysicsError(f"{_IT} is gone")
+            return None
         refused, answer = pickle.loads(data)
         if refused:
             name, text = answer
-            raise _RAISED.get(name, FollowerError)(text)
+            self._error = _RAISED.get(name, FollowerError)(text)
+            return None
         return answer
+
+    def _wait_for(self, seconds: float) -> None:
+        """How long an answer may take; 0: for ever."""
+        timeout = _TIMEOUT.pack(*divmod(round(1e6 * seconds), 1_000_000))
+        self._end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, timeout)
 
 
 def serve(end: socket.socket) -> None:
     """Does what the other end of the line asks for, until that is gone."""
     server = _Server()
-    while data := end.recv(_LARGEST):
-        call, arguments = pickle.loads(data)
-        try:
-            answer = (False, getattr(server, call)(*arguments))
-        except Exception as error:  # whatever it is: who asked must know
-            answer = (True, _in_words(error))
-        try:
+    with suppress(ConnectionError):
+        while data := end.recv(_LARGEST):
+            call, arguments = pickle.loads(data)
+            try:
+                answer = (False, getattr(server, call)(*arguments))
+            except Exception as error:  # whatever it is: who asked must know
+                answer = (True, _in_words(error))
             end.send(pickle.dumps(answer))
-        except BrokenPipeError:
-            return
 
 
 def _in_words(error: Exception) -> tuple[str, str]:

@@ -18,11 +18,11 @@ _ASIDE = 10  # of who only looks on; Linux's idle policy would stop its page on 
 
 
 def give_way(nodes: Collection[str], aside: bool) -> None:
-    """Sets the scheduling of this process.
+    """Sets the scheduling of this process, one of bringup's; nodes started by hand stay as they are.
 
     Args:
         nodes: In it.
-        aside: Whether it only looks on.
+        aside: Whether it only looks on, so that everybody goes before it.
     """
     if not aside and any(NODES[name].same_tick for name in nodes if name in NODES):
         return

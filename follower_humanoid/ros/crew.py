@@ -6,11 +6,11 @@ import gc
 import importlib
 import os
 import signal
+import socket
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from follower_humanoid.graph.wiring import SIMULATOR
@@ -71,31 +71,34 @@ class Crew:
         """
         main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
         load_type_support()
-        self._fork(name, [*node_command(name), *args], nodes, partial(main, list(args)), aside, prepare)
 
-    def fork_physics(self, args: Sequence[str]) -> None:
+        def live() -> int:
+            give_way(nodes, aside)
+            return int(main(list(args)))
+
+        self._fork(name, [*node_command(name), *args], nodes, live, prepare, not aside)
+
+    def fork_physics(self, line: socket.socket, args: Sequence[str]) -> None:
         """Starts the process that does the physics for the simulator in another one; it waits for `begin`.
 
+        What it runs it imports then: the others have compiled it, where that had to be done.
+
         Args:
+            line: Its end of the line to the simulator.
             args: Shown by `ps -f` only: they tell whose it is.
         """
-        module = "follower_humanoid.plant.remote_simulator"
-        served = BORN_WITH.served
-        if served is None:
-            raise ValueError("there is no line to the physics")
-
-        def prepare() -> None:
-            importlib.import_module(module)
 
         def main() -> int:
             for number in (signal.SIGINT, signal.SIGTERM):  # it ends when the simulator does
                 signal.signal(number, signal.SIG_IGN)
-            importlib.import_module(module).serve(served)
+            from follower_humanoid.plant.remote_simulator import serve
+
+            serve(line)
             return 0
 
         python, simulator = node_command(SIMULATOR)
         command = [python, str(Path(simulator).with_name(PHYSICS)), *args]
-        self._fork(PHYSICS, command, (PHYSICS,), main, False, prepare)
+        self._fork(PHYSICS, command, (PHYSICS,), main)
 
     def _fork(
         self,
@@ -103,23 +106,21 @@ class Crew:
         command: Sequence[str],
         nodes: tuple[str, ...],
         main: Callable[[], int],
-        aside: bool,
-        prepare: Callable[[], object],
+        prepare: Callable[[], object] = lambda: None,
+        vital: bool = True,
     ) -> None:
         gc.freeze()  # pages that no collection touches stay shared
 
         def live() -> int:
             BORN_WITH.keep(nodes)
-            if name != PHYSICS:
-                give_way(nodes, aside)
-            return int(main())
+            return main()
 
         def get_ready() -> None:
             die_with_parent()  # before a compilation, which may take a minute
             prepare()
 
         process = Forked(command, live, self._environment, self._gate, get_ready)
-        self.members.append(Member(name, nodes, process, vital=not aside))
+        self.members.append(Member(name, nodes, process, vital))
 
     @property
     def prepared(self) -> bool:

@@ -20,7 +20,7 @@ from follower_humanoid.graph.lockstep import hears_clock
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, nodes_with
 from follower_humanoid.ros.parcel import Parcel
 
-# Messages that wait for one who does not listen; the system itself keeps some 25 envelopes more. As many
+# Messages that wait for one who does not listen; the system itself keeps 13 to 26 more. As many
 # as on a topic; for the recorder four seconds of the fastest: a disk may hesitate that long.
 DEPTH, RECORDER_DEPTH = 1000, 2000
 LARGEST = 1 << 17  # bytes of one message
@@ -132,7 +132,7 @@ class Ear:
         return _ARRIVED[:size].tobytes()
 
     def say(self, word: bytes) -> None:
-        """Says something to the one who is heard, who need not listen."""
+        """Says something to the one who is heard: how much of it is wanted, say. It need not listen."""
         with suppress(OSError):
             self._end.send(word)
 
@@ -160,9 +160,10 @@ class Lines:
         self.served: socket.socket | None = None
         self._parcels: dict[Mouth, Parcel] = {}
 
-    def lay_to_physics(self) -> None:
-        """The simulator of a process that is forked from now on does its physics in another one."""
+    def lay_to_physics(self) -> socket.socket:
+        """The simulator of a process that is forked from now on does its physics at the end returned."""
         self.physics, self.served = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        return self.served
 
     def lay(self, pairs: Iterable[tuple[str, str]], composed: bool = False) -> None:
         """Lays them, for every process that is forked from now on.

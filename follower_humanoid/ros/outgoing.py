@@ -14,7 +14,7 @@ from follower_humanoid.ros.envelope import hears_slow
 from follower_humanoid.ros.lines import BORN_WITH
 
 SLOT = struct.Struct("<q")
-"""What the recorder says: of topics that it thins out it keeps the first message in each such time [ns]."""
+"""What the recorder says to who sends: see `Thinning.slot` [ns]."""
 
 
 class Outgoing:

@@ -16,11 +16,11 @@ from follower_humanoid.graph.wiring import ARM_TASK, NODES
 _ENTRY = struct.Struct("<qII")
 _SENDERS = (*NODES, ARM_TASK.name)
 _NUMBER = {name: number for number, name in enumerate(_SENDERS)}
-_HEAVY = 1 << 15  # bytes from which on nothing is added
+_HEAVY = 15_000  # bytes from which on nothing is added: of such messages 13 fit into a line
 
 
 class Parcel:
-    """Collects envelopes until one of the senders has the next one."""
+    """Collects envelopes until nobody has another one, or one of the senders has the next."""
 
     def __init__(self, send: Callable[[bytes], None], alone: bool) -> None:
         """Empty. Args: where it goes, and whether there is one sender only, who then need not wait."""

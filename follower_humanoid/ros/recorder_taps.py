@@ -38,7 +38,7 @@ _RELIABLE, _BEST_EFFORT = (
     QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=_DEPTH, reliability=policy)
     for policy in (ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT)
 )
-# At least so many of the largest envelopes fit into a line; more waits where they come from.
+# At least so many of the largest messages fit into a line; more waits where they come from.
 _FULL = 13
 _ENVELOPE = "std_msgs/msg/UInt8MultiArray"
 # A node of this package has an envelope; whoever publishes without one for longer is a stranger [s].
@@ -109,7 +109,8 @@ class RecorderTaps:
         """Subscribes.
 
         Args:
-            slot: Of thinned topics [ns]: a process that sends to nobody else need send no more.
+            slot: Of topics that are thinned out the bag keeps the first message in each such time [ns].
+                Who sends to nobody else is told.
         """
         waiting = {topic.name: topic for topic in recorded_topics()}
         for name, wiring in nodes_with(self._node.present).items():

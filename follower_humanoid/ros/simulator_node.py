@@ -18,7 +18,6 @@ from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.pace import Durations, Pace
 from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
-from follower_humanoid.plant.remote_simulator import RemoteSimulator
 from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
 from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.ros.holding import HoldingDrives
@@ -65,6 +64,8 @@ class SimulatorNode(LockStepNode):
         line = BORN_WITH.physics
         if line is None:
             return super().make_component()
+        from follower_humanoid.plant.remote_simulator import RemoteSimulator  # not before bringup has forked
+
         graph = self.graph
         robot = shared_robot(graph.urdf)
         return RemoteSimulator(line, graph.watchdog, self.config, graph.urdf, robot, graph.tick)
@@ -145,7 +146,7 @@ class SimulatorNode(LockStepNode):
         silent = time.monotonic() - self._stepped
         if not (self.running and self.started) or self._waiting_for_all:
             self._stepped = time.monotonic()
-        elif self.run.realtime and not self.lock.ready and silent > self.run.hold_after:
+        elif self.run.realtime and not (self.lock.ready or self._under_way) and silent > self.run.hold_after:
             for missing in self.lock.give_up_on(self.lock.topics):
                 self.logger.warning(f"no {missing} for {silent:.2f} s: going on without it")
             self.run_ready_steps()
@@ -190,6 +191,7 @@ class SimulatorNode(LockStepNode):
         self._look_for_end()
 
     def _arrive_later(self) -> None:
+        self.outlet.flush()  # all that the others had to send is there
         self._under_way = False
         if self.component is None:  # it was cleaned up meanwhile
             return
