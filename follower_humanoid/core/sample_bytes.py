@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import fields
 from functools import lru_cache
@@ -66,7 +67,7 @@ def _makers(layout: Layout) -> tuple[Callable[[Any], Any] | None, ...]:
             continue
         number, lengths, text = entry
         ends = np.cumsum((begin, *lengths)).tolist()
-        places = [slice(a, b) for a, b in zip(ends, ends[1:], strict=False)]
+        places = [slice(a, b) for a, b in itertools.pairwise(ends)]
         makers.append(_maker(_KINDS[number], places, text))
         begin = ends[-1]
     return tuple(makers)

@@ -81,7 +81,7 @@ class Crew:
     def fork_physics(self, line: socket.socket, args: Sequence[str]) -> None:
         """Starts the process that does the physics for the simulator in another one; it waits for `begin`.
 
-        What it runs it imports then: the others have compiled it, where that had to be done.
+        What it runs it imports then: the others have compiled it by that time, where that had to be done.
 
         Args:
             line: Its end of the line to the simulator.
@@ -98,7 +98,7 @@ class Crew:
 
         python, simulator = node_command(SIMULATOR)
         command = [python, str(Path(simulator).with_name(PHYSICS)), *args]
-        self._fork(PHYSICS, command, (PHYSICS,), main)
+        self._fork(PHYSICS, command, (PHYSICS,), main, _import_libraries)
 
     def _fork(
         self,
@@ -196,6 +196,12 @@ class Crew:
     ) -> None:
         while time.monotonic() < deadline() and any(m.process.poll() is None for m in members):
             idle(0.02)
+
+
+def _import_libraries() -> None:
+    """Of the physics, those that take long."""
+    for name in ("numba", "pinocchio", "pybullet"):
+        importlib.import_module(name)
 
 
 def _work_of(pid: int) -> tuple[str, ...] | None:
