@@ -135,7 +135,7 @@ def test_silence_is_not_waited_for_for_ever():
         os.kill(process.pid, signal.SIGSTOP)
         there.advance(SimulatorInputs())
         for _ in range(2):  # nothing is asked again of who has been silent: its late answers would be others'
-            with pytest.raises(PhysicsError, match="silent for 0.05 s"):
+            with pytest.raises(PhysicsError, match=r"silent for 0\.05 s"):
                 there.observe()
             os.kill(process.pid, signal.SIGCONT)
         assert there.diagnostics() == {}
