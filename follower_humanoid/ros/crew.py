@@ -200,7 +200,7 @@ class Crew:
 
 def _import_libraries() -> None:
     """Of the physics, those that take long."""
-    for name in ("numba", "pinocchio", "pybullet"):
+    for name in ("numba", "pinocchio"):
         importlib.import_module(name)
 
 
