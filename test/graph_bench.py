@@ -127,18 +127,15 @@ class Bringup:
 
 
 @contextmanager
-def bringup(
-    folder: Path, *args: str, env: dict[str, str] | None = None, one_processor: bool = False
-) -> Iterator[Bringup]:
+def bringup(folder: Path, *args: str, env: dict[str, str] | None = None) -> Iterator[Bringup]:
     """A bringup with these arguments; at the end nothing of it is left."""
     number = random.randint(0, 10**9)
     out, err = folder / f"out{number}.txt", folder / f"err{number}.txt"
     own = env or environment()
     with out.open("w") as o, err.open("w") as e:
         process = subprocess.Popen(
-            [*(["taskset", "-c", "0"] if one_processor else []), *node_command("bringup"), *_PATIENT, *args],
-            cwd=folder, env=own, stdout=o, stderr=e, text=True,
-        )  # fmt: skip
+            [*node_command("bringup"), *_PATIENT, *args], cwd=folder, env=own, stdout=o, stderr=e, text=True
+        )
     try:
         yield Bringup(process, out, err, own)
     finally:

@@ -85,18 +85,3 @@ def test_who_listens_twice_hears_once():
     assert len(two.heard) == 1
     assert "one" in bus
     assert "three" not in bus
-
-
-def test_who_others_wait_for_goes_first_and_who_only_waits_goes_last():
-    bus, steps = Bus(["source", "slow", "quick"]), []
-    bus.join("slow", lambda: steps.append("slow"))
-    bus.join("quick", lambda: steps.append("quick"), urgent=True)
-    for name in ("slow", "quick"):
-        bus.listen(name, "source", lambda *_: True)
-    waited_for = bus.future()
-    bus.at_last(lambda: steps.append("last"))
-    assert waited_for.done()
-    bus.post("source", 0, {}, {})
-    assert bus.future().done()
-    assert not bus.work(60.0)
-    assert steps == ["quick", "slow", "last"]

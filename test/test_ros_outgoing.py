@@ -6,8 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from follower_humanoid.bag.recorder import is_thinned
-from follower_humanoid.bag.thinning import Thinning
+from follower_humanoid.bag.thinning import Thinning, is_thinned
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.ros import outgoing

@@ -11,7 +11,7 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from follower_humanoid.bag.qos import offered_qos
-from follower_humanoid.bag.thinning import Thinning
+from follower_humanoid.bag.thinning import FROM_PEOPLE, Thinning, is_thinned
 from follower_humanoid.bag.transforms import TRANSFORMED, Made, TransformMaker
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
@@ -19,39 +19,11 @@ from follower_humanoid.core.cdr import HEADER, NANOSECONDS, stamp_of
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.topics import TOPICS
 
-EVERY_MESSAGE = frozenset(
-    {
-        "joint_states",
-        "odom",
-        "imu",
-        "left_foot/wrench",
-        "right_foot/wrench",
-        "left_hand/wrench_raw",
-        "right_hand/wrench_raw",
-        "left_hand/wrench",
-        "right_hand/wrench",
-        "left_hand/applied",
-        "right_hand/applied",
-        "base/applied",
-        "left_hand/contact",
-        "right_hand/contact",
-        "left_hand/target",
-        "legs/command",
-        "arms/command",
-        "zmp",
-        "zmp_reference",
-    }
-)
-"""Topics of which every message is kept."""
 STATE = "joint_states"
 ADJUSTED = "graph/adjusted"
 """Parameters that were changed during the run, with the time of the first tick that used them."""
 HOLDING = "graph/holding"
 """When the drives held for want of motor commands: stamp of the first tick, names of what was missing."""
-
-# Stamps of any clock: these cannot be thinned out by them. Footsteps are sent when they change.
-_FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
-_AS_THEY_COME = _FROM_PEOPLE | {"footsteps"}
 
 _MADE = frozenset({"/tf", "/tf_static", "robot_description"})
 _TYPE_NAMES: dict[type, str] = {
@@ -99,18 +71,13 @@ class Recorded:
     stamped_at: int = len(HEADER)
 
 
-def is_thinned(topic: str) -> bool:
-    """Whether only a part of a topic's messages is kept."""
-    return topic not in EVERY_MESSAGE and topic not in _AS_THEY_COME
-
-
 def recorded_topics() -> tuple[Recorded, ...]:
     """Every topic of the contract, what else a repetition needs, the clock and the diagnostics."""
     listed = []
     for topic in TOPICS.values():
         # An array of markers begins with its length; the stamp is that of the first marker.
         offset = len(HEADER) + (4 if topic.kind is samples.Footsteps else 0)
-        reliable = topic.name not in _FROM_PEOPLE
+        reliable = topic.name not in FROM_PEOPLE
         listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], is_thinned(topic.name), reliable, offset))
     listed.append(Recorded(ADJUSTED, "rcl_interfaces/msg/ParameterEvent", False, True))
     listed.append(Recorded(HOLDING, "std_msgs/msg/Header", False, True))

@@ -1,6 +1,39 @@
-"""Of topics that come at every tick the bag keeps the first message in each slot of stamp time."""
+"""What the bag keeps of each topic: every message, or the first one in each slot of stamp time."""
 
 from __future__ import annotations
+
+EVERY_MESSAGE = frozenset(
+    {
+        "joint_states",
+        "odom",
+        "imu",
+        "left_foot/wrench",
+        "right_foot/wrench",
+        "left_hand/wrench_raw",
+        "right_hand/wrench_raw",
+        "left_hand/wrench",
+        "right_hand/wrench",
+        "left_hand/applied",
+        "right_hand/applied",
+        "base/applied",
+        "left_hand/contact",
+        "right_hand/contact",
+        "left_hand/target",
+        "legs/command",
+        "arms/command",
+        "zmp",
+        "zmp_reference",
+    }
+)
+"""Topics of which every message is kept."""
+# Stamps of any clock: these cannot be thinned out by them. Footsteps are sent when they change.
+FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
+_AS_THEY_COME = FROM_PEOPLE | {"footsteps"}
+
+
+def is_thinned(topic: str) -> bool:
+    """Whether only a part of a topic's messages is kept."""
+    return topic not in EVERY_MESSAGE and topic not in _AS_THEY_COME
 
 
 class Thinning:

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from follower_humanoid.errors import FollowerError
-from follower_humanoid.plant.remote_simulator import PHYSICS_CPU
 from follower_humanoid.resources import node_command
 
 TIMEOUT = 1800.0
@@ -127,8 +126,6 @@ def _cpu(values: Mapping[str, Mapping[str, str]], composed: bool) -> Iterator[tu
     for node, own in values.items():
         if "process_cpu_per_tick [s]" in own and (not composed or node == "simulator"):
             yield "composed" if composed else node, float(own["process_cpu_per_tick [s]"])
-        if PHYSICS_CPU in own:
-            yield "physics", float(own[PHYSICS_CPU])
 
 
 def memory_of_children(parent: int, what: str = "Pss") -> dict[str, int]:

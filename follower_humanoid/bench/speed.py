@@ -140,7 +140,6 @@ def as_numbers(costs: Costs) -> dict[str, Any]:
             "tick_p50": median(r.simulator("tick_time_p50 [s]") for r in runs),
             "tick_p99": median(r.simulator("tick_time_p99 [s]") for r in runs),
             "memory": runs[-1].memory,
-            "processes": {process: median(run.cpu[process] for run in runs) for process in runs[-1].cpu},
             "messaging": messaging_share(runs, costs.nodes),
         }
     return {"rows": rows, "nodes": node_table(costs), "machine": {"lateness_p99": costs.own_lateness}}
@@ -179,10 +178,8 @@ def table(costs: Costs) -> str:
     for name, row in numbers["nodes"].items():
         size = memory.get(name, 0) / 1e6
         lines.append(f"  {name:<24}{row['component'] * 1e6:>10.0f}{row['process'] * 1e6:>9.0f}{size:>11.0f}")
-    row = numbers["rows"]["composed"]
-    for name, cpu in row["processes"].items():
-        size = row["memory"].get(name, 0) / 1e6
-        lines.append(f"  {name:<24}{'':>10}{cpu * 1e6:>9.0f}{size:>11.0f}")
+    composed = numbers["rows"]["composed"]["memory"].get("composed", 0) / 1e6
+    lines.append(f"  {'composed':<24}{'':>10}{'':>9}{composed:>11.0f}")
     late = numbers["machine"]["lateness_p99"] * 1e3
     lines.append(f"\n  a loop that only computes for half of each tick is late by {late:.1f} ms (99 %)")
     return "\n".join(lines)

@@ -9,14 +9,8 @@ from follower_humanoid.plant.grip import ZERO
 from follower_humanoid.plant.pull_limits import PullLimiter
 from follower_humanoid.plant.pulls import Pull
 from follower_humanoid.plant.robot_plant import RobotPlant
-from follower_humanoid.robot.model import RobotModel
 
 WORLD_NAMES = ("", "world")
-
-
-def knows_frame(robot: RobotModel, name: str) -> bool:
-    """True for a name that a wrench's `frame` may have."""
-    return name in WORLD_NAMES or bool(robot.pin_model.existFrame(name))
 
 
 class HeldPlace:

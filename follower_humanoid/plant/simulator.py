@@ -13,7 +13,7 @@ from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.board import Board, BoardConfig
 from follower_humanoid.plant.drives import Drives, HoldConfig
 from follower_humanoid.plant.falls import Fall, FallWatch
-from follower_humanoid.plant.held_place import HeldPlace, knows_frame
+from follower_humanoid.plant.held_place import WORLD_NAMES, HeldPlace
 from follower_humanoid.plant.motors import MotorConfig
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
 from follower_humanoid.plant.pull_limits import PullLimiter, PullLimits
@@ -98,7 +98,6 @@ class Simulator:
         time: Its simulated time [s].
         fall: The first fall, None while there was none.
         plant: The robot's physics, for tests and for those who may know the truth.
-        voltage_limit: Of the motors [V].
     """
 
     Config = SimulatorConfig
@@ -133,7 +132,6 @@ class Simulator:
         except Exception:
             self.world.close()  # a physics server does not end by itself
             raise
-        self.voltage_limit = self.plant.motors.voltage_limit
         self._board = Board(config.board, self.plant) if config.board.stiffness > 0.0 else None
         self._sensors = Sensors(config.sensors, self.plant)
         groups = (robot.groups.legs, robot.groups.arms)
@@ -174,7 +172,7 @@ class Simulator:
 
     def knows_frame(self, name: str) -> bool:
         """True for a name that a wrench's `frame` may have."""
-        return knows_frame(self._robot, name)
+        return name in WORLD_NAMES or bool(self._robot.pin_model.existFrame(name))
 
     def observe(self) -> SimulatorOutputs:
         """The state of the current tick."""

@@ -117,12 +117,8 @@ class BringupRun:
         composed = plan.options.composed
         BORN_WITH.lay(line_pairs(plan.nodes, composed, plan.options.bag is not None), composed)
         if plan.options.composed:
-            apart = SIMULATOR in plan.nodes and len(os.sched_getaffinity(0)) > 1
-            line = BORN_WITH.lay_to_physics() if apart else None
             nodes = ["--nodes", ",".join(plan.nodes)]
             self._crew.fork(COMPOSED, [*nodes, *arguments], plan.nodes, prepare=import_components)
-            if line is not None:
-                self._crew.fork_physics(line, arguments)
         else:
             for name in plan.nodes:
                 self._crew.fork(name, arguments, (name,))

@@ -2,7 +2,6 @@
 
 A node that has received what it waited for is put into a queue and takes its step from there, not
 within the step of the node that sent: however many nodes there are, no call is nested in another.
-Whose outputs are used at the same tick goes first; what only waits for another process goes last.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from rclpy.task import Future
 # Tick, topic → sample of all that a node publishes, topic → the same as a message where it was made anyway.
 # Returns whether the receiver can step now.
 Accept = Callable[[int, Mapping[str, Any], Mapping[str, bytes]], bool]
-Step = Callable[[], None]
 
 
 class Bus:
@@ -26,15 +24,15 @@ class Bus:
     def __init__(self, names: Collection[str]) -> None:
         """Args: the nodes that will join."""
         self._names = frozenset(names)
-        self._steps: dict[str, tuple[Step, deque[Step]]] = {}
-        self._hearers: dict[str, dict[str, tuple[Accept, Step, deque[Step]]]] = {}
-        self._urgent, self._ready, self._waits = deque[Step](), deque[Step](), deque[Step]()
+        self._steps: dict[str, Callable[[], None]] = {}
+        self._hearers: dict[str, dict[str, tuple[Accept, Callable[[], None]]]] = {}
+        self._ready: deque[Callable[[], None]] = deque()
         self._working = False
         self._called: Any = Future()
 
-    def join(self, name: str, step: Step, urgent: bool = False) -> None:
-        """Adds a node: what steps when all samples are there, and whether others wait for it in this tick."""
-        self._steps[name] = step, self._urgent if urgent else self._ready
+    def join(self, name: str, step: Callable[[], None]) -> None:
+        """Adds a node: what steps when all samples are there."""
+        self._steps[name] = step
 
     def __contains__(self, name: str) -> bool:
         """Whether a node is in this process."""
@@ -42,24 +40,16 @@ class Bus:
 
     def listen(self, name: str, producer: str, accept: Accept) -> None:
         """The node `name` takes in what `producer` sends from now on."""
-        self._hearers.setdefault(producer, {})[name] = (accept, *self._steps[name])
+        self._hearers.setdefault(producer, {})[name] = (accept, self._steps[name])
 
     def post(
         self, producer: str, tick: int, samples: Mapping[str, Any], messages: Mapping[str, bytes]
     ) -> None:
         """Hands one tick's samples to every listener."""
-        some = False
-        for accept, step, queue in self._hearers.get(producer, {}).values():
+        for accept, step in self._hearers.get(producer, {}).values():
             if accept(tick, samples, messages):
-                queue.append(step)
-                some = True
-        if some and not self._working:
-            self.call()
-
-    def at_last(self, step: Step) -> None:
-        """Takes a step once nobody has anything else to do."""
-        self._waits.append(step)
-        if not self._working:
+                self._ready.append(step)
+        if self._ready and not self._working:
             self.call()
 
     def call(self) -> None:
@@ -70,7 +60,7 @@ class Bus:
     def future(self) -> Any:
         """Completes when there is work. For one wait: an executor leaves a callback in what it waits for."""
         self._called = Future()
-        if self._busy:
+        if self._ready:
             self._called.set_result(None)
         return self._called
 
@@ -79,14 +69,10 @@ class Bus:
         until = time.monotonic() + seconds
         self._working = True
         try:
-            while self._busy:
-                (self._urgent or self._ready or self._waits).popleft()()
+            while self._ready:
+                self._ready.popleft()()
                 if time.monotonic() > until:
                     break
         finally:
             self._working = False
-        return self._busy
-
-    @property
-    def _busy(self) -> bool:
-        return bool(self._urgent or self._ready or self._waits)
+        return bool(self._ready)

@@ -6,18 +6,16 @@ import gc
 import importlib
 import os
 import signal
-import socket
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.resources import node_command
 from follower_humanoid.ros.courtesy import give_way
 from follower_humanoid.ros.forked import Forked, Gate
-from follower_humanoid.ros.lines import BORN_WITH, PHYSICS
+from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.spin import PARENT, die_with_parent
 from follower_humanoid.ros.type_support import load_type_support
 
@@ -71,56 +69,20 @@ class Crew:
         """
         main = importlib.import_module(f"follower_humanoid.nodes.{name}").main
         load_type_support()
-
-        def live() -> int:
-            give_way(nodes, aside)
-            return int(main(list(args)))
-
-        self._fork(name, [*node_command(name), *args], nodes, live, prepare, not aside)
-
-    def fork_physics(self, line: socket.socket, args: Sequence[str]) -> None:
-        """Starts the process that does the physics for the simulator in another one; it waits for `begin`.
-
-        What it runs it imports then: the others have compiled it by that time, where that had to be done.
-
-        Args:
-            line: Its end of the line to the simulator.
-            args: Shown by `ps -f` only: they tell whose it is.
-        """
-
-        def main() -> int:
-            for number in (signal.SIGINT, signal.SIGTERM):  # it ends when the simulator does
-                signal.signal(number, signal.SIG_IGN)
-            from follower_humanoid.plant.remote_simulator import serve
-
-            serve(line)
-            return 0
-
-        python, simulator = node_command(SIMULATOR)
-        command = [python, str(Path(simulator).with_name(PHYSICS)), *args]
-        self._fork(PHYSICS, command, (PHYSICS,), main, _import_libraries)
-
-    def _fork(
-        self,
-        name: str,
-        command: Sequence[str],
-        nodes: tuple[str, ...],
-        main: Callable[[], int],
-        prepare: Callable[[], object] = lambda: None,
-        vital: bool = True,
-    ) -> None:
         gc.freeze()  # pages that no collection touches stay shared
+        command = [*node_command(name), *args]
 
         def live() -> int:
             BORN_WITH.keep(nodes)
-            return main()
+            give_way(nodes, aside)
+            return int(main(list(args)))
 
         def get_ready() -> None:
             die_with_parent()  # before a compilation, which may take a minute
             prepare()
 
         process = Forked(command, live, self._environment, self._gate, get_ready)
-        self.members.append(Member(name, nodes, process, vital))
+        self.members.append(Member(name, nodes, process, vital=not aside))
 
     @property
     def prepared(self) -> bool:
@@ -196,12 +158,6 @@ class Crew:
     ) -> None:
         while time.monotonic() < deadline() and any(m.process.poll() is None for m in members):
             idle(0.02)
-
-
-def _import_libraries() -> None:
-    """Of the physics, those that take long."""
-    for name in ("numba", "pinocchio"):
-        importlib.import_module(name)
 
 
 def _work_of(pid: int) -> tuple[str, ...] | None:

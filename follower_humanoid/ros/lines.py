@@ -27,7 +27,6 @@ LARGEST = 1 << 17  # bytes of one message
 _LONGEST_WORD = 64  # bytes of what a hearer says
 # Room for one message of any size, once: to ask for new memory of that size costs more than the message.
 _ARRIVED = memoryview(bytearray(LARGEST))
-PHYSICS = "physics"
 _GONE = (errno.EPIPE, errno.ECONNRESET, errno.ENOTCONN)
 _NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)
 
@@ -149,21 +148,13 @@ class Lines:
 
     Attributes:
         mouths, ears: By the nodes at both ends: who sends, who hears.
-        physics, served: The ends of the line from the simulator to a process that does its physics.
     """
 
     def __init__(self) -> None:
         """None yet."""
         self.mouths: dict[tuple[str, str], Mouth] = {}
         self.ears: dict[tuple[str, str], Ear] = {}
-        self.physics: socket.socket | None = None
-        self.served: socket.socket | None = None
         self._parcels: dict[Mouth, Parcel] = {}
-
-    def lay_to_physics(self) -> socket.socket:
-        """The simulator of a process that is forked from now on does its physics at the end returned."""
-        self.physics, self.served = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        return self.served
 
     def lay(self, pairs: Iterable[tuple[str, str]], composed: bool = False) -> None:
         """Lays them, for every process that is forked from now on.
@@ -187,12 +178,6 @@ class Lines:
             self.mouths.pop(pair).close()
         for pair in [pair for pair in self.ears if pair[1] not in names]:
             self.ears.pop(pair).close()
-        if self.physics is not None and SIMULATOR not in names:
-            self.physics.close()
-            self.physics = None
-        if self.served is not None and PHYSICS not in names:
-            self.served.close()
-            self.served = None
 
     def mouths_of(self, name: str) -> dict[str, Mouth]:
         """Whom a node can reach, and where."""

@@ -69,7 +69,7 @@ class LockStepNode(ManagedNode):
         self.bus = bus
         self.inlet = Inlet(self)
         if bus is not None:
-            bus.join(wiring.name, self.run_ready_steps, wiring.same_tick)
+            bus.join(wiring.name, self.run_ready_steps)
         self.started = self.idle = self.away = False
         self.outlet: Outlet
         self.codecs: dict[str, Codec] = {}
@@ -81,13 +81,10 @@ class LockStepNode(ManagedNode):
         self._watchdog = Watchdog(self)
 
     def _make_lock(self) -> LockStep:
-        return LockStep(self.wiring, self.present, self.awaited_topics(), round(STALE / self.graph.tick))
+        hold = round(STALE / self.graph.tick)
+        return LockStep(self.wiring, self.present, self.awaited_topics(), hold)
 
     # What subclasses say.
-
-    def make_component(self) -> Any:
-        """A fresh component."""
-        return self.wiring.make(self.config, shared_robot(self.graph.urdf), self.graph.tick)
 
     def awaited_topics(self) -> tuple[str, ...]:
         """Inputs that are lock-stepped; empty for all."""
@@ -120,12 +117,15 @@ class LockStepNode(ManagedNode):
 
     def set_up(self) -> None:
         """Makes the component, and at the first time the endpoints."""
-        self.component = self.make_component()
+        robot = shared_robot(self.graph.urdf)
+        self.component = self.wiring.make(self.config, robot, self.graph.tick)
         if self.starting.barrier is not None:
             return
         self.starting.barrier = barrier = Barrier(self, self.present)
-        topics = (*self.wiring.inputs.values(), *self.wiring.outputs.values())
-        self.codecs = {topic: Codec(topic, shared_robot(self.graph.urdf)) for topic in topics}
+        self.codecs = {
+            topic: Codec(topic, robot)
+            for topic in (*self.wiring.inputs.values(), *self.wiring.outputs.values())
+        }
         self.outlet = Outlet(self, self.codecs)
         self.outlet.watch(barrier, self.readers_of_more())
         if self._adjusted is not None:
@@ -197,7 +197,7 @@ class LockStepNode(ManagedNode):
 
     def reset(self) -> None:
         """Begins anew: a fresh component, and nothing from before."""
-        self.component = self.make_component()
+        self.component = self.wiring.make(self.config, shared_robot(self.graph.urdf), self.graph.tick)
 
     def _reset_if_due(self) -> None:
         if (tick := self.resets.begin_if_due()) is not None:
@@ -218,7 +218,7 @@ class LockStepNode(ManagedNode):
                 else:
                     self.step(tick, samples)
             except Exception as error:  # a component that breaks ends the run, and says where
-                self.break_down(error, f"{self.wiring.name} at tick {tick}: ")
+                self.quit(1, f"{self.wiring.name} at tick {tick}: {type(error).__name__}: {error}")
                 return
             self._toll.add(time.perf_counter() - begin)
             self._reset_if_due()

@@ -100,10 +100,6 @@ class ManagedNode(LifecycleNode):
                 self.logger.error(reason)
             self.when_over()
 
-    def break_down(self, error: Exception, where: str = "") -> None:
-        """Ends the process soon, because of what nobody expected."""
-        self.quit(FAILED, f"{where}{type(error).__name__}: {error}")
-
     def tell_once(self, text: str) -> None:
         """Warns, but not again with the same words."""
         if text not in self._told:
@@ -186,7 +182,7 @@ class ManagedNode(LifecycleNode):
             return TransitionCallbackReturn.FAILURE
         except Exception as error:  # whatever it is, the user must see it
             self.running = False
-            self.break_down(error)
+            self.quit(FAILED, f"{type(error).__name__}: {error}")
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
 

@@ -6,8 +6,7 @@ import struct
 from collections.abc import Mapping
 from typing import Any
 
-from follower_humanoid.bag.recorder import is_thinned
-from follower_humanoid.bag.thinning import Thinning
+from follower_humanoid.bag.thinning import Thinning, is_thinned
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import NodeWiring
 from follower_humanoid.ros.envelope import hears_slow

@@ -21,7 +21,6 @@ from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
 from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
 from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.ros.holding import HoldingDrives
-from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.lockstep_node import LockStepNode
 from follower_humanoid.ros.managed_node import FAILED
 from follower_humanoid.ros.outcome import ENDED, EXIT_STATUS
@@ -45,7 +44,7 @@ class SimulatorNode(LockStepNode):
         super().__init__(node_wiring(SIMULATOR), **options)
         self.run: RunConfig = declare(self, RunConfig)
         self._roll_call = RollCall(self, self.present, self._all_know, self.reject)
-        self._waiting_for_all = self._under_way = False
+        self._waiting_for_all = False
         self._peak_voltage, self._saturated = 0.0, 0
         self.create_service(Trigger, "reset", self._reset_asked)
         self._inputs = self.wiring.component_class().Inputs
@@ -58,17 +57,6 @@ class SimulatorNode(LockStepNode):
         self._speed = (0.0, 0)
         self._pace: Pace | None = None
         self._holding = HoldingDrives(self)
-
-    def make_component(self) -> Any:
-        """The simulator, in a process of its own where this one was born with a line to it."""
-        line = BORN_WITH.physics
-        if line is None:
-            return super().make_component()
-        from follower_humanoid.plant.remote_simulator import RemoteSimulator  # not before bringup has forked
-
-        graph = self.graph
-        robot = shared_robot(graph.urdf)
-        return RemoteSimulator(line, graph.watchdog, self.config, graph.urdf, robot, graph.tick)
 
     def awaited_topics(self) -> tuple[str, ...]:
         """Commands of what can move, and the leader's wrenches where the built-in leader runs."""
@@ -126,7 +114,7 @@ class SimulatorNode(LockStepNode):
 
     def may_step(self) -> bool:
         """In real time, not before the tick is over on the wall's clock too."""
-        if self._waiting_for_all or self._under_way:
+        if self._waiting_for_all:
             return False
         if not self.lock.paced and self._pace is None:
             self.tell_once("no commands with stamps of the tick: in real time from here on")
@@ -146,7 +134,7 @@ class SimulatorNode(LockStepNode):
         silent = time.monotonic() - self._stepped
         if not (self.running and self.started) or self._waiting_for_all:
             self._stepped = time.monotonic()
-        elif self.run.realtime and not (self.lock.ready or self._under_way) and silent > self.run.hold_after:
+        elif self.run.realtime and not self.lock.ready and silent > self.run.hold_after:
             for missing in self.lock.give_up_on(self.lock.topics):
                 self.logger.warning(f"no {missing} for {silent:.2f} s: going on without it")
             self.run_ready_steps()
@@ -175,33 +163,12 @@ class SimulatorNode(LockStepNode):
             self.component.reset()
         else:
             self.component.advance(inputs)
-        self._note_voltages(inputs)
-        if self.bus is None:
-            self._arrive()
-        else:  # the others go on while the physics does, where it has a process of its own
-            self._under_way = True
-            self.bus.at_last(self._arrive_later)
-
-    def _arrive(self) -> None:
-        """The state of the next tick is there."""
         self._publish_state()
+        self._note_voltages(inputs)
         now = time.monotonic()
         self._tick_times.add(now - self._stepped)
         self._stepped = now
         self._look_for_end()
-
-    def _arrive_later(self) -> None:
-        self.outlet.flush()  # all that the others had to send is there
-        self._under_way = False
-        if self.component is None:  # it was cleaned up meanwhile
-            return
-        try:
-            self._arrive()
-        except Exception as error:
-            self.break_down(error, f"{SIMULATOR} at tick {self.lock.tick - 1}: ")
-            return
-        if self.lock.paced:
-            self.run_ready_steps()
 
     def reset(self) -> None:
         """The robot stands already; what follows the reset is nobody's old result."""
@@ -233,7 +200,7 @@ class SimulatorNode(LockStepNode):
         volts = [volt for command in commands for volt in command.effort.tolist()]
         peak = max(max(volts), -min(volts)) if volts else 0.0
         self._peak_voltage = max(self._peak_voltage, peak)
-        self._saturated += peak >= self.component.voltage_limit
+        self._saturated += peak >= self.component.plant.motors.voltage_limit
 
     def _publish_state(self) -> None:
         tick, state = self.lock.tick, self.component.observe()
