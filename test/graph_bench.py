@@ -180,3 +180,25 @@ def run_script(text: str, env: dict[str, str]) -> None:
     """A user's own little program from beginning to end."""
     with beside(script(text, env)) as process:
         assert process.wait(PATIENCE) == 0
+
+
+_CHANGE = """
+import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+rclpy.init()
+node = rclpy.create_node("operator")
+client = node.create_client(ChangeState, "{name}/change_state")
+client.wait_for_service()
+for verb in {verbs}:
+    request = ChangeState.Request()
+    request.transition.id = getattr(Transition, "TRANSITION_" + verb.upper())
+    asked = client.call_async(request)
+    rclpy.spin_until_future_complete(node, asked)
+    assert asked.result().success
+"""
+
+
+def change_state(name: str, env: dict[str, str], *verbs: str) -> None:
+    """Takes a node through transitions of its lifecycle, such as `deactivate`."""
+    run_script(_CHANGE.format(name=name, verbs=verbs), env)

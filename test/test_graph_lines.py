@@ -7,7 +7,7 @@ import signal
 
 import numpy as np
 import pytest
-from graph_bench import PATIENCE, bringup, node, run, run_script, wait_until
+from graph_bench import PATIENCE, bringup, change_state, node, run, run_script, wait_until
 from mcap.reader import make_reader
 
 from follower_humanoid.bag.reader import read_run
@@ -84,8 +84,7 @@ def test_a_node_started_by_hand_is_heard_although_the_recorder_leaves(place):
         by_hand = node("leg_controller", running.environment)
         try:
             running.wait_until_it_runs()
-            for verb in ("deactivate", "cleanup"):
-                run_script(CHANGE.format(verb=verb), running.environment)
+            change_state("recorder", running.environment, "deactivate", "cleanup")
             told = running.said
             assert wait_until(lambda: running.said.count("t = ") > told.count("t = ") + 3)
             running.end()
@@ -95,19 +94,3 @@ def test_a_node_started_by_hand_is_heard_although_the_recorder_leaves(place):
         finally:
             by_hand.terminate()
             by_hand.wait(PATIENCE)
-
-
-CHANGE = """
-import rclpy
-from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
-rclpy.init()
-node = rclpy.create_node("operator")
-client = node.create_client(ChangeState, "recorder/change_state")
-client.wait_for_service()
-request = ChangeState.Request()
-request.transition.id = getattr(Transition, "TRANSITION_{verb}".upper())
-asked = client.call_async(request)
-rclpy.spin_until_future_complete(node, asked)
-assert asked.result().success
-"""

@@ -3,26 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from graph_bench import bringup, run_script
+from graph_bench import bringup, change_state
 
 from follower_humanoid.bag.reader import read_run
 
 TICK_NS = 2_000_000
-CHANGE = """
-import rclpy
-from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
-rclpy.init()
-node = rclpy.create_node("operator")
-client = node.create_client(ChangeState, "simulator/change_state")
-client.wait_for_service()
-for verb in {verbs}:
-    request = ChangeState.Request()
-    request.transition.id = getattr(Transition, "TRANSITION_" + verb)
-    asked = client.call_async(request)
-    rclpy.spin_until_future_complete(node, asked)
-    assert asked.result().success
-"""
 
 
 def test_a_pause_leaves_no_gap(tmp_path):
@@ -32,8 +17,8 @@ def test_a_pause_leaves_no_gap(tmp_path):
     options = ("--composed", "--leader", "none", "--realtime", "--bag", str(bag), "--params", str(patient))
     with bringup(tmp_path, *options) as running:
         running.wait_until_it_runs()
-        run_script(CHANGE.format(verbs=["DEACTIVATE"]), running.environment)
-        run_script(CHANGE.format(verbs=["ACTIVATE"]), running.environment)
+        change_state("simulator", running.environment, "deactivate")
+        change_state("simulator", running.environment, "activate")
         running.wait_until_time(running.time + 1.0)
         running.end()
         assert running.process.returncode == 0, running.complained
@@ -44,6 +29,6 @@ def test_a_pause_leaves_no_gap(tmp_path):
 def test_a_simulator_that_is_cleaned_up_ends_the_run_well(tmp_path):
     with bringup(tmp_path, "--composed", "--leader", "none", "--bag", "none") as running:
         running.wait_until_it_runs()
-        run_script(CHANGE.format(verbs=["DEACTIVATE", "CLEANUP"]), running.environment)
+        change_state("simulator", running.environment, "deactivate", "cleanup")
         assert running.wait() == 0, running.complained
         assert running.complained == ""

@@ -103,7 +103,6 @@ class Recording:
     """Thins out, sorts and writes what arrives.
 
     Attributes:
-        slot: Of the stamps of one thinned topic's messages the first in each such time is kept [ns].
         latest_stamp: Of the newest state [ns], None where there is none yet.
         missing: States that did not arrive.
     """
@@ -123,8 +122,7 @@ class Recording:
         self._maker = TransformMaker(urdf) if urdf else None
         self._state: Recorded | None = None
         self._writer = writer
-        self.slot = round(NANOSECONDS / rate)
-        self._thinning = Thinning(self.slot)
+        self._thinning = Thinning(round(NANOSECONDS / rate))
         self._tick = tick_ns
         self._announce = announce
         self._channels: dict[str, int] = {}
@@ -132,6 +130,11 @@ class Recording:
         self._latched: set[str] = set()
         self.latest_stamp: int | None = None
         self.missing = 0
+
+    @property
+    def slot(self) -> int:
+        """See `Thinning` [ns]."""
+        return self._thinning.slot
 
     @property
     def count(self) -> int:
