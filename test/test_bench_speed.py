@@ -7,15 +7,18 @@ import subprocess
 import sys
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from graph_bench import wait_until
 
 from follower_humanoid.bench.growth import Course, _walk
 from follower_humanoid.bench.placement import Placed, cpu_of_children, memory_of_children
 from follower_humanoid.bench.speed import messaging_share
+from follower_humanoid.bench.spent import spent_of
 from follower_humanoid.bench.tape import Tape
 from follower_humanoid.core.yaml_file import read_yaml
 from follower_humanoid.graph.simulate import Chain
+from follower_humanoid.plant import bullet_kernels
 
 
 def test_the_tape_walks_the_same_walk():
@@ -29,6 +32,33 @@ def test_the_tape_walks_the_same_walk():
     cost = tape.play()
     assert cost.cpu > 0.0
     np.testing.assert_array_equal(tape.state, walked)
+
+
+def test_what_a_chain_spends_its_time_on():
+    watched, plain = (Chain({"leader": {"programme": "fig4"}}, 0.002) for _ in range(2))
+    kernel = bullet_kernels.step
+    spent = spent_of(watched, 25)
+    for _ in range(25):
+        plain.advance()
+    assert all(wall > 0.0 for wall in spent.parts().values())
+    assert bullet_kernels.step is kernel  # the clocks are gone
+    np.testing.assert_array_equal(watched.simulator.plant.q, plain.simulator.plant.q)
+    watched.close()
+    plain.close()
+
+
+def test_time_is_told_of_where_it_went():
+    model = pin.buildSampleModelHumanoid()
+    data, q = model.createData(), pin.neutral(model)
+
+    class Passes:
+        def advance(self):
+            for _ in range(50):
+                pin.crba(model, data, q)
+
+    spent = spent_of(Passes(), 20)
+    assert spent.bullet == spent.kernels == 0.0
+    assert spent.pinocchio > 0.0 and spent.python > 0.0
 
 
 def placed(**cpu):

@@ -14,6 +14,7 @@ from typing import Any
 from follower_humanoid.bench.check import Check, at_least, at_most
 from follower_humanoid.bench.machine import own_lateness
 from follower_humanoid.bench.placement import Listener, Placed
+from follower_humanoid.bench.spent import Spent, spent_of
 from follower_humanoid.bench.tape import Cost, Tape
 from follower_humanoid.graph.simulate import TICK, Chain
 
@@ -30,6 +31,7 @@ class Costs:
     Attributes:
         bare, chain: Per tick.
         nodes: Node → CPU per tick of its component in the ROS-free chain [s].
+        spent: What the chain's ticks are spent on.
         placed, recorded: Placement → runs without and with a bag.
         paced: Placement → run in real time.
         joint_hash: Of the chain's joint positions.
@@ -39,6 +41,7 @@ class Costs:
     bare: list[Cost] = field(default_factory=list)
     chain: list[Cost] = field(default_factory=list)
     nodes: dict[str, list[float]] = field(default_factory=dict)
+    spent: list[Spent] = field(default_factory=list)
     placed: dict[str, list[Placed]] = field(default_factory=dict)
     recorded: dict[str, list[Placed]] = field(default_factory=dict)
     paced: dict[str, Placed] = field(default_factory=dict)
@@ -59,6 +62,7 @@ def measure(seconds: float, repeats: int, say: Callable[[str], None]) -> Costs:
             say(f"turn {turn + 1} of {repeats}")
             costs.bare.append(tape.play())
             costs.chain.append(_run_chain(ticks, costs))
+            costs.spent.append(_spent(ticks))
             for name, placement in PLACEMENTS.items():
                 placed = listener.run(TICK, *options, *placement)
                 costs.placed.setdefault(name, []).append(placed)
@@ -93,6 +97,14 @@ def _run_chain(ticks: int, costs: Costs) -> Cost:
     for name, seconds in spent.items():
         costs.nodes.setdefault(name, []).append(seconds / ticks)
     return cost
+
+
+def _spent(ticks: int) -> Spent:
+    chain = Chain({"leader": {"programme": LEADER}}, TICK)
+    try:
+        return spent_of(chain, ticks)
+    finally:
+        chain.close()
 
 
 def _clocked(name: str, call: Callable[..., Any], spent: dict[str, float]) -> Callable[..., Any]:
@@ -142,7 +154,10 @@ def as_numbers(costs: Costs) -> dict[str, Any]:
             "memory": runs[-1].memory,
             "messaging": messaging_share(runs, costs.nodes),
         }
-    return {"rows": rows, "nodes": node_table(costs), "machine": {"lateness_p99": costs.own_lateness}}
+    return {
+        "rows": rows, "nodes": node_table(costs), "spent": spent_table(costs),
+        "machine": {"lateness_p99": costs.own_lateness},
+    }  # fmt: skip
 
 
 def _row(wall: float, bare: float, cpu: float) -> dict[str, Any]:
@@ -164,6 +179,12 @@ def node_table(costs: Costs) -> dict[str, dict[str, float]]:
     }
 
 
+def spent_table(costs: Costs) -> dict[str, float]:
+    """Part of the chain → wall time per tick [s]."""
+    runs = [spent.parts() for spent in costs.spent]
+    return {part: median(run[part] for run in runs) for part in runs[0]}
+
+
 def table(costs: Costs) -> str:
     """For the eye: µs per tick."""
     numbers = as_numbers(costs)
@@ -180,6 +201,9 @@ def table(costs: Costs) -> str:
         lines.append(f"  {name:<24}{row['component'] * 1e6:>10.0f}{row['process'] * 1e6:>9.0f}{size:>11.0f}")
     composed = numbers["rows"]["composed"]["memory"].get("composed", 0) / 1e6
     lines.append(f"  {'composed':<24}{'':>10}{'':>9}{composed:>11.0f}")
+    bare = numbers["rows"]["bare physics"]["wall"]
+    parts = (f"{part} {wall * 1e6:.0f} ({wall / bare:.1f} × bare)" for part, wall in numbers["spent"].items())
+    lines.append(f"\n  what simulate spends its wall µs on: {', '.join(parts)}")
     late = numbers["machine"]["lateness_p99"] * 1e3
-    lines.append(f"\n  a loop that only computes for half of each tick is late by {late:.1f} ms (99 %)")
+    lines.append(f"  a loop that only computes for half of each tick is late by {late:.1f} ms (99 %)")
     return "\n".join(lines)
