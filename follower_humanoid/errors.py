@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+BAD_CONFIGURATION = 2  # exit status of a program that a `ConfigurationError` ends
+
 
 class FollowerError(Exception):
     """Base class of every error this package raises on purpose."""

@@ -155,9 +155,22 @@ def test_a_crew_is_prepared_without_an_onlooker_that_has_died_but_not_without_ot
     monkeypatch.setitem(sys.modules, "follower_humanoid.nodes.nobody", SimpleNamespace(main=lambda args: 0))
     monkeypatch.setattr("follower_humanoid.ros.crew.node_command", lambda name: COMMAND)
     for onlooker in (True, False):
-        crew = Crew({})
+        crew = Crew()
         crew.fork("nobody", [], (), aside=onlooker, prepare=lambda: os.kill(os.getpid(), signal.SIGKILL))
         crew.members[0].process.wait()
         assert crew.prepared is onlooker
         assert (crew.ended() is None) is onlooker
         crew.kill()
+
+
+def test_a_crew_can_tell_how_a_process_ended_where_its_starter_ignored_that(monkeypatch):
+    monkeypatch.setitem(sys.modules, "follower_humanoid.nodes.nobody", SimpleNamespace(main=lambda args: 0))
+    monkeypatch.setattr("follower_humanoid.ros.crew.node_command", lambda name: COMMAND)
+    before = signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    try:
+        crew = Crew()
+        crew.fork("nobody", [], (), prepare=lambda: os.kill(os.getpid(), signal.SIGKILL))
+        assert crew.members[0].process.wait() == -signal.SIGKILL
+        crew.kill()
+    finally:
+        signal.signal(signal.SIGCHLD, before)

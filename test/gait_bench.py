@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import copyreg
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import pinocchio as pin
 
 from follower_humanoid.core.samples import SIDES, Array, Footstep, Gait, Joints, Odometry, Side, Wrench
 from follower_humanoid.gait.composition import CompositionOutputs, MotionComposition
+from follower_humanoid.gait.differential_ik import DifferentialIk
 from follower_humanoid.gait.feet import FootPose, FootstepConfig
 from follower_humanoid.gait.motion_config import CompositionConfig
 from follower_humanoid.gait.sequence import Sequence, load_sequence
@@ -73,6 +75,11 @@ def frame_pose(q: Array, name: str) -> pin.SE3:
     model, data = robot().pin_model, robot().pin_model.createData()
     pin.forwardKinematics(model, data, q)
     return pin.updateFramePlacement(model, data, robot().frame_id(name)).copy()
+
+
+def frame_at(position: Array, rotation: Array) -> Array:
+    """Axes and origin of a frame, shape (4, 3), as in `pose_table`."""
+    return np.array([*rotation.T, position])
 
 
 def inputs_of(component: Any, **known: Any) -> Any:
@@ -156,6 +163,17 @@ class WalkerBench:
                 found[-1].append(tick)
             last = tick.swinging
         return found
+
+
+def _own_copy(ik: DifferentialIk) -> DifferentialIk:
+    twin = DifferentialIk(robot(), ik._config, ik.q)
+    twin.v = ik.v.copy()
+    twin.update()
+    return twin
+
+
+# For `copy.deepcopy` of an ideal robot: views that are copied would no longer follow Pinocchio's memory.
+copyreg.pickle(DifferentialIk, lambda ik: (partial(_own_copy, ik), ()))
 
 
 @dataclass

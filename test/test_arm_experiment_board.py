@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from follower_humanoid.arm_experiment.measures import arm_trace, board_numbers
 from follower_humanoid.arm_experiment.simulate import simulate_arm
+from follower_humanoid.errors import FollowerError
 
 # The same task as by default, written faster.
 FASTER = {"speed": 0.3, "board.write_speed": 0.25, "board.rest": 0.4}
@@ -46,3 +49,16 @@ def test_no_force_off_contact_and_none_along_the_board(trace, numbers):
     assert (numbers.tangential_force < 0.1).all()
     assert not trace.touching[0]
     assert not trace.touching[-1], "it detaches"
+
+
+def test_a_force_in_front_of_the_board_would_be_measured(trace):
+    contact, sensed = trace.contact.copy(), trace.sensed.copy()
+    contact[3, 0], sensed[-1] = -0.3, (0.0, 0.0, 0.7)
+    forged = board_numbers(replace(trace, contact=contact, sensed=sensed), STIFFNESS, BOARD, PENETRATION)
+    np.testing.assert_array_equal(forged.free_force, (0.3, 0.7))
+
+
+def test_a_run_without_contact_has_no_numbers():
+    trace = arm_trace(simulate_arm("board", 0.1))
+    with pytest.raises(FollowerError, match="the hand never touched the board"):
+        board_numbers(trace, STIFFNESS, BOARD, PENETRATION)

@@ -46,6 +46,38 @@ def test_modes_switch_without_a_bump(trace, found):
         assert push.torque_step < 2.0
 
 
+@pytest.mark.parametrize("again", [False, True], ids=["silent", "the same again and again"])
+def test_where_the_target_stops_in_the_middle_of_its_way_the_hand_stops(again):
+    last = []
+
+    def until_half_a_second(topic, tick, sample):
+        if topic != "left_hand/target":
+            return sample
+        last.extend([sample] if tick == 250 else [])
+        return sample if tick <= 250 else last[0] if again else None
+
+    run = simulate_arm("compliance", 2.0, interference=until_half_a_second, without=("leader",))
+    assert np.linalg.norm(last[0].linear_velocity) > 0.05
+    trace = arm_trace(run)
+    np.testing.assert_allclose(trace.place[-1], last[0].position, atol=1e-4)
+    way = last[0].linear_velocity / np.linalg.norm(last[0].linear_velocity)
+    assert (trace.place - last[0].position).dot(way).max() < 10e-3
+    stopping = (trace.time > 0.5) & (trace.time < 0.8)
+    assert np.abs(np.diff(trace.torque[stopping], axis=0)).max() < 2.0
+
+
+def test_a_hand_that_an_obstacle_stops_is_not_sent_back():
+    straight_on = {"speed": 0.02, "compliance.target": [0.45, 0.19, 0.18]}
+    obstacle = {"board.stiffness": 2e4, "board.distance": 0.4}
+    parameters = {"arm_task": straight_on, "simulator": obstacle, "arm_controller": {"mode": "impedance"}}
+    trace = arm_trace(simulate_arm("compliance", 6.5, parameters, without=("leader",)))
+    assert trace.touching[-1]
+    apart = np.linalg.norm(trace.target - trace.place, axis=1)
+    assert apart.max() > 0.0199, "the target went on until the hand counted as led"
+    assert apart.max() < 0.021
+    assert np.linalg.norm(np.diff(trace.target, axis=0), axis=1).max() < 0.021
+
+
 def test_then_it_goes_to_the_target_in_a_straight_line(trace):
     assert np.linalg.norm(trace.place[-1] - TARGET) < 2e-3
     last = trace.place[trace.time > 6.2]

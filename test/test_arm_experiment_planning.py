@@ -64,6 +64,33 @@ def test_a_hand_that_is_led_is_followed_and_then_goes_on_from_where_it_rests():
     assert plan.done
 
 
+def test_a_hand_that_stops_on_its_line_is_wanted_where_it_stopped():
+    plan, stopped = planner(), BEGIN + 0.6 * (GOAL - BEGIN)
+    hand, wanted, led = BEGIN, [BEGIN], []
+    for _ in range(3000):
+        planned, velocity = plan.step(hand, 0.0)
+        wanted.append(planned)
+        led.append(plan.led)
+        if plan.led:
+            np.testing.assert_array_equal(planned, stopped)
+            np.testing.assert_array_equal(velocity, 0.0)
+        hand = planned if (planned - stopped) @ (GOAL - BEGIN) < 0.0 else stopped
+    again = np.flatnonzero(np.diff(np.array(led, dtype=int)) == -1)
+    assert len(again) > 1, "it goes on from there, and is stopped again"
+    jumps = np.linalg.norm(np.diff(wanted, axis=0), axis=1)
+    assert jumps.max() < 0.02 + 0.2 * TICK, "the leash, and what a line travels in a tick"
+
+
+def test_a_hand_that_is_pushed_off_its_last_point_ever_so_slowly_is_followed():
+    plan, place = planner(), BEGIN
+    while not plan.done:
+        place, _ = plan.step(place, 0.0)
+    for _ in range(2000):
+        place = place + np.array([0.0, 0.005 * TICK, 0.0])
+        wanted, _ = plan.step(place, 0.005)
+        assert np.linalg.norm(wanted - place) < 0.0201
+
+
 def test_the_square_has_its_side_and_lies_behind_the_surface():
     config = ArmTaskConfig(task="board")
     places = np.array([point.place for point in config.points(BEGIN)])
@@ -129,8 +156,13 @@ def test_a_board_elsewhere_than_the_task_believes_is_refused():
     assert "board.distance = 0.42" in text and "0.5" in text
 
 
+def test_writing_in_the_air_is_refused():
+    text = refused("board", *given("simulator:board.stiffness", "0.0"))
+    assert text.startswith("simulator: board.stiffness = 0.0 N/m") and "valid: above 0 N/m" in text
+
+
 def test_bad_words_are_refused():
     assert "no arm experiment 'wall'; valid: board, compliance" in refused("wall")
     assert "arm_experiment" in refused("board", "--fast")
-    assert "number of seconds" in refused("board", "--duration", "-1")
+    assert "arm_experiment: argument --duration" in refused("board", "--duration", "-1")
     assert "experiment" in refused()

@@ -105,3 +105,15 @@ def test_the_fixed_trunk_is_repeatable_bit_for_bit():
     force = np.array([3.0, -2.0, 5.0])
     first, second = (free_arm(0.3, lambda now: force, IMPEDANCE)[0] for _ in range(2))
     assert first.joint_hash() == second.joint_hash()
+
+
+def test_after_a_reset_nobody_touches_the_board(robot):
+    board = {"board.stiffness": 1000.0, "board.distance": 0.2}
+    simulator = Simulator(build(SimulatorConfig, {"fixed_trunk": True, **board}), robot, TICK)
+    try:
+        push(simulator, (5.0, 0.0, 0.0), 5)
+        assert simulator.observe().left_contact.force[0] < 0.0
+        simulator.reset()
+        assert not simulator.observe().left_contact.force.any()
+    finally:
+        simulator.close()

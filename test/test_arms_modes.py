@@ -99,6 +99,46 @@ def test_a_moving_target_is_followed_exactly_and_takes_the_springs_along():
     np.testing.assert_array_equal(wanted.place[1], (0.3, -0.2, 0.1))
 
 
+SPEED = np.array((0.05, -0.03, 0.1))
+
+
+def moving_target(time: float) -> tuple[Odometry, None]:
+    return target(np.array((0.3, 0.2, 0.1)) + SPEED * time, SPEED)
+
+
+def rates_of(wanted: HandReference, targets) -> np.ndarray:
+    rates = []
+    for sent in targets:
+        wanted.receive(sent)
+        wanted.glide(NOBODY)
+        rates.append(wanted.rate[0])
+    return np.array(rates)
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["silent", "the same again and again"])
+def test_a_target_that_moves_on_no_more_comes_to_rest_whatever_it_says(again):
+    wanted = reference()
+    wanted.virtual = wanted.virtual + 0.01
+    rates_of(wanted, (moving_target(TICK * tick) for tick in range(1, 101)))
+    sent = moving_target(TICK * 100)
+    np.testing.assert_array_equal(wanted.rate[0], SPEED)
+    rates = rates_of(wanted, [sent if again else (None, None)] * 150)
+    np.testing.assert_array_equal(rates[-1], 0.0)
+    assert np.abs(np.diff([SPEED, *rates], axis=0)).max() < 0.02 * 0.1, "no step"
+    np.testing.assert_array_equal(wanted.place[0], sent[0].position)
+    np.testing.assert_allclose(wanted.virtual[0] - wanted.place[0], 0.01)
+    rates_of(wanted, [moving_target(TICK * 101)])
+    np.testing.assert_array_equal(wanted.rate[0], SPEED, err_msg="it is believed again at once")
+
+
+def test_a_target_that_is_missing_once_or_comes_slowly_keeps_most_of_its_velocity():
+    sent = [moving_target(TICK * tick) for tick in range(1, 101)]
+    sent[50] = (None, None)
+    np.testing.assert_allclose(rates_of(reference(), sent), np.tile(SPEED, (100, 1)), rtol=0.02)
+    slow = [moving_target(TICK * (tick - tick % 5)) for tick in range(5, 100)]
+    np.testing.assert_allclose(rates_of(reference(), slow), np.tile(SPEED, (95, 1)), rtol=0.05)
+
+
 def test_a_target_that_jumps_is_glided_to():
     wanted, places = reference(), []
     for _ in range(3000):

@@ -32,6 +32,27 @@ def test_equation_6_moves_the_hand_as_asked_whatever_the_null_space_wants() -> N
     np.testing.assert_allclose(jacobian @ (null @ (other - one)), 0, atol=1e-11)
 
 
+def gain(sigma: float, threshold: float, damping: float) -> float:
+    """Of a direction with a singular value, beside two that are far from singular."""
+    jacobian = np.zeros((3, 7))
+    jacobian[0, 0] = jacobian[1, 1] = 0.4
+    jacobian[2, 2] = sigma
+    return float(task_inverse(jacobian[None], threshold, damping).inverse[0, 2, 2])
+
+
+def largest_gain(threshold: float, damping: float) -> float:
+    if damping > threshold / np.sqrt(2.0):
+        return 1.0 / threshold
+    return float(1.0 / (2.0 * damping * np.sqrt(1.0 - (damping / threshold) ** 2)))
+
+
+@pytest.mark.parametrize("damping", [0.01, 0.03, DAMPING, 0.0565, 0.06, 0.08, 0.2])
+def test_the_largest_gain_is_what_the_docstring_says(damping: float) -> None:
+    gains = [gain(sigma, THRESHOLD, damping) for sigma in np.linspace(0.0, 0.2, 4001)]
+    assert max(gains) == pytest.approx(largest_gain(THRESHOLD, damping), rel=1e-5)
+    assert largest_gain(THRESHOLD, DAMPING) == pytest.approx(12.81, abs=0.01)
+
+
 def test_bounded_at_and_near_singularities() -> None:
     rng = np.random.default_rng(3)
     left, _ = np.linalg.qr(rng.normal(size=(3, 3)))
@@ -39,7 +60,7 @@ def test_bounded_at_and_near_singularities() -> None:
     for smallest in (0.0, 1e-12, 1e-6, 1e-3, 0.02, 0.079):
         jacobian = left @ np.diag([0.5, 0.3, smallest]) @ right.T
         inverse, null = (stack[0] for stack in task_inverse(jacobian[None], THRESHOLD, DAMPING))
-        assert np.linalg.norm(inverse, 2) <= 1 / THRESHOLD + 1 / (2 * DAMPING)
+        assert np.linalg.norm(inverse, 2) <= largest_gain(THRESHOLD, DAMPING) * (1 + 1e-9)
         assert np.linalg.eigvalsh(null).min() > -1e-12
         assert np.linalg.eigvalsh(null).max() < 1 + 1e-12
 
@@ -51,16 +72,10 @@ def test_a_lost_direction_passes_to_the_null_space() -> None:
     np.testing.assert_allclose(np.diag(null[0]), [0, 0, 1, 1, 1, 1, 1], atol=1e-12)
 
 
-@pytest.mark.parametrize("edge", [THRESHOLD])
-def test_damping_sets_in_continuously(edge: float) -> None:
-    def gain(sigma: float) -> float:
-        jacobian = np.zeros((3, 7))
-        jacobian[0, 0] = jacobian[1, 1] = 0.4
-        jacobian[2, 2] = sigma
-        return float(task_inverse(jacobian[None], THRESHOLD, DAMPING).inverse[0, 2, 2])
-
-    assert gain(edge + 1e-9) == pytest.approx(gain(edge - 1e-9), rel=1e-5)
-    gains = [gain(sigma) for sigma in np.linspace(0, 2 * edge, 200)]
+def test_damping_sets_in_continuously() -> None:
+    above, below = (gain(THRESHOLD + side, THRESHOLD, DAMPING) for side in (1e-9, -1e-9))
+    assert above == pytest.approx(below, rel=1e-5)
+    gains = [gain(sigma, THRESHOLD, DAMPING) for sigma in np.linspace(0, 2 * THRESHOLD, 200)]
     assert np.abs(np.diff(gains)).max() < 0.4
 
 

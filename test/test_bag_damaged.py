@@ -9,6 +9,7 @@ import pytest
 from bag_messages import ABOUT, START, TICK_NS, TOPICS, arrivals, point, record, write_bag
 from mcap.writer import Writer
 
+from follower_humanoid.bag.mcap_writer import McapWriter
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.bag.recorder import Arrival
 from follower_humanoid.bag.writer import About, BagWriter
@@ -134,16 +135,89 @@ def test_messages_of_the_wrong_form_are_counted(tmp_path: Path) -> None:
     assert len(run["odom"]) == 10
 
 
+@pytest.mark.parametrize("name", ["joint_states", "odom"])
+def test_a_bag_whose_robot_cannot_be_decoded_is_told(tmp_path: Path, name: str) -> None:
+    rubbish = b"\x00\x01\x00\x00abc"
+    made = [a._replace(data=rubbish) if a.topic.name == name else a for a in arrivals(10)]
+    bag = write_bag(tmp_path / "rubbish", made=made)
+    with pytest.raises(ConfigurationError, match=f"{bag}: none of its 10 {name} can be decoded"):
+        read_run(bag)
+
+
+def bag_with_tick(folder: Path, tick: str, count: int = 10) -> Path:
+    with BagWriter(folder, About("<robot/>", {}, {"tick": tick}), START) as writer:
+        record(writer, arrivals(count))
+    return folder
+
+
+@pytest.mark.parametrize(
+    "tick", ["inf", "-inf", "nan", "0", "-0.0", "1e-12", "-0.002", "1e300", "1e100", "soon", ""]
+)
+def test_a_tick_that_cannot_be_is_told_in_one_line(tmp_path: Path, tick: str) -> None:
+    told = refusal(bag_with_tick(tmp_path / "tick", tick))
+    assert f"bag {tmp_path / 'tick'}: control tick '{tick}'" in told
+    assert "\n" not in told
+
+
+def test_a_tick_is_taken_as_it_was_recorded(tmp_path: Path) -> None:
+    assert read_run(bag_with_tick(tmp_path / "half", "0.001")).tick == 0.001
+    assert read_run(bag_with_tick(tmp_path / "shortest", "1e-9")).tick == 1e-9
+
+
+def test_without_a_tick_it_is_the_commonest_distance_of_two_states(tmp_path: Path) -> None:
+    for count in (1, 10):
+        with BagWriter(tmp_path / str(count), About("<robot/>"), START) as writer:
+            record(writer, arrivals(count))
+    assert read_run(tmp_path / "10").tick == 0.002
+    with pytest.raises(ConfigurationError, match=f"bag {tmp_path / '1'}: .*a single joint state"):
+        read_run(tmp_path / "1")
+
+
+def refuse(*_: object) -> None:
+    raise OSError(28, "No space left on device")
+
+
 def test_a_full_disk_leaves_what_was_flushed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     writer = BagWriter(tmp_path / "full", About(), START)
     channel = writer.add_topic("/com", TOPICS["com"].type_name, [])
     writer.write(channel, point(0), START, START)
-
-    def refuse(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
     monkeypatch.setattr(writer._stream, "write", refuse)
     with pytest.raises(OSError, match="No space"):
         writer.close()
     writer.close()
     assert not (tmp_path / "full" / "metadata.yaml").exists()
+
+
+def fill_the_disk(folder: Path, patch: pytest.MonkeyPatch, then: Exception | None = None) -> None:
+    """Ends a recording whose disk is full, perhaps by an error of its own."""
+    with BagWriter(folder, About(), START) as writer:
+        patch.setattr(writer._stream, "write", refuse)
+        if then is not None:
+            raise then
+
+
+def test_a_full_disk_is_told_with_its_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(OSError, match="No space") as caught:
+        fill_the_disk(tmp_path / "full", monkeypatch)
+    assert caught.value.filename == str(tmp_path / "full")
+
+
+def test_an_error_is_not_hidden_by_one_of_closing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ConfigurationError, match="what it comes from"):
+        fill_the_disk(tmp_path / "full", monkeypatch, ConfigurationError("what it comes from"))
+
+
+def test_a_disk_that_is_full_at_once_leaves_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(McapWriter, "flush", refuse)
+    with pytest.raises(ConfigurationError, match="cannot be made: No space left on device"):
+        BagWriter(tmp_path / "full", ABOUT, START)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_is_too_long_for_the_file_leaves_no_folder(tmp_path: Path) -> None:
+    folder = tmp_path / ("n" * 251)  # a folder may be called that, its file is called a little longer
+    with pytest.raises(ConfigurationError, match="cannot be made: File name too long"):
+        BagWriter(folder, About(), START)
+    assert list(tmp_path.iterdir()) == []

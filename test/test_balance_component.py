@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from gait_bench import frame_pose, inputs_of, odometry_of, robot, standing_configuration, vertical
+from gait_bench import frame_at, frame_pose, inputs_of, odometry_of, robot, standing_configuration, vertical
 
 from follower_humanoid.balance.balance import BalanceOutputs, ZmpBalance
 from follower_humanoid.balance.com_offset import ComOffset, OffsetConfig
 from follower_humanoid.balance.hand_forces import hand_effect
 from follower_humanoid.balance.shifted_reference import SOLES
-from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
+from follower_humanoid.balance.zmp import measured_zmp, moved_to_origin
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Joints, Point, Wrench
 from follower_humanoid.robot.body_state import BodyState
 from follower_humanoid.robot.model import GRAVITY
@@ -63,7 +63,7 @@ def total(out: BalanceOutputs, q: Array) -> tuple[Array, Array]:
     for side, wrench in zip(SIDES, (out.left_foot_reference, out.right_foot_reference), strict=True):
         assert wrench is not None
         sole = frame_pose(q, f"{side.prefix}_sole")
-        f, m = wrench_about_origin(wrench, SolePlace(sole.translation, sole.rotation))
+        f, m = moved_to_origin(wrench.force, wrench.torque, frame_at(sole.translation, sole.rotation))
         force, moment = force + f, moment + m
     return force, moment
 
@@ -89,7 +89,7 @@ def test_zmp_and_polygon_are_what_the_feet_measure() -> None:
     out = step(**known(left_foot=vertical(500.0), right_foot=vertical(200.0)))
     q = standing_configuration()
     places = [
-        SolePlace(pose.translation, pose.rotation) for pose in (frame_pose(q, f"{p}_sole") for p in "lr")
+        frame_at(pose.translation, pose.rotation) for pose in (frame_pose(q, f"{p}_sole") for p in "lr")
     ]
     expected = measured_zmp(vertical(500.0), vertical(200.0), *places, 50.0)
     assert expected is not None

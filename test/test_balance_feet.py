@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from gait_bench import frame_at
 
 from follower_humanoid.balance.dcm_law import SoleConfig, shared, wrench_in_sole
-from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
+from follower_humanoid.balance.zmp import measured_zmp, moved_to_origin
 from follower_humanoid.core.samples import SIDES, Array, ContactPlan, Side, Wrench
 
 CONFIG = SoleConfig()
@@ -18,12 +20,12 @@ BOTH = ContactPlan(1.0, 1.0)
 WEIGHT = 716.0
 
 
-def soles(yaw: float = 0.0, stride: float = 0.0, tilt: float = 0.0) -> dict[Side, SolePlace]:
+def soles(yaw: float = 0.0, stride: float = 0.0, tilt: float = 0.0) -> dict[Side, Array]:
     rotation = pin.rpy.rpyToMatrix(tilt, -tilt, yaw)
     c, s = math.cos(yaw), math.sin(yaw)
 
-    def place(x: float, y: float) -> SolePlace:
-        return SolePlace(np.array([c * x - s * y, s * x + c * y, -0.001]), rotation)
+    def place(x: float, y: float) -> Array:
+        return frame_at(np.array([c * x - s * y, s * x + c * y, -0.001]), rotation)
 
     return {Side.LEFT: place(stride, 0.09), Side.RIGHT: place(0.0, -0.09)}
 
@@ -36,26 +38,23 @@ class Shares(NamedTuple):
     zmp: Array
 
 
-def share_feet(zmp: Array, places: dict[Side, SolePlace], plan: ContactPlan, config: SoleConfig) -> Shares:
+def share_feet(zmp: Array, places: dict[Side, Array], plan: ContactPlan, config: SoleConfig) -> Shares:
     points = np.empty((3, 2))
-    poses = [part for side in SIDES for part in (places[side].position, places[side].rotation)]
-    left = shared(
-        zmp, *poses, plan.left, plan.right, config.center, config.back, config.front, config.side, points
-    )
+    left = shared(zmp, places[Side.LEFT], places[Side.RIGHT], astuple(plan), astuple(config), points)
     share = {Side.LEFT: left, Side.RIGHT: 1.0 - left}
     return Shares(share, dict(zip(SIDES, points, strict=False)), points[2])
 
 
-def foot_wrench(share: float, point: Array, force: Array, yaw: float, place: SolePlace) -> Wrench:
+def foot_wrench(share: float, point: Array, force: Array, yaw: float, place: Array) -> Wrench:
     wrench = np.empty((2, 3))
-    wrench_in_sole(share, point, force, yaw, place.position, place.rotation, CONFIG.friction, wrench)
+    wrench_in_sole(share, point, force, yaw, place, CONFIG.friction, wrench)
     return Wrench(wrench[0], wrench[1])
 
 
-def in_sole(point: Array, place: SolePlace) -> Array:
-    yaw = math.atan2(place.rotation[1, 0], place.rotation[0, 0])
+def in_sole(point: Array, place: Array) -> Array:
+    yaw = math.atan2(place[0, 1], place[0, 0])
     c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, s], [-s, c]]) @ (point - place.position[:2])
+    return np.array([[c, s], [-s, c]]) @ (point - place[3, :2])
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.6, -2.5])
@@ -87,7 +86,7 @@ def test_a_zmp_within_reach_is_reached(yaw: float, stride: float) -> None:
         forward = rng.uniform(CONFIG.back, CONFIG.front) - CONFIG.center
         # Somewhere on the line between the middles of the soles, then along the feet.
         middle = CONFIG.center * np.array([c, s])
-        wanted = part * places[Side.LEFT].position[:2] + (1 - part) * places[Side.RIGHT].position[:2]
+        wanted = part * places[Side.LEFT][3, :2] + (1 - part) * places[Side.RIGHT][3, :2]
         wanted = wanted + middle + 0.5 * forward * np.array([c, s])
         np.testing.assert_allclose(share_feet(wanted, places, BOTH, CONFIG).zmp, wanted, atol=1e-9)
 
@@ -110,7 +109,7 @@ def test_a_foot_in_the_air_carries_nothing(side: Side) -> None:
         assert shares.share[side] == 0.0
         assert shares.share[stance] == 1.0
         np.testing.assert_array_equal(shares.zmp, shares.point[stance])
-    inside = places[stance].position[:2] + np.array([0.06, 0.01])
+    inside = places[stance][3, :2] + np.array([0.06, 0.01])
     np.testing.assert_allclose(share_feet(inside, places, plan, CONFIG).zmp, inside)
 
 
@@ -136,7 +135,7 @@ def test_left_and_right_are_mirror_images() -> None:
 
 
 def test_feet_at_the_same_place_share_evenly() -> None:
-    place = SolePlace(np.zeros(3), np.eye(3))
+    place = frame_at(np.zeros(3), np.eye(3))
     shares = share_feet(np.array([0.02, 0.0]), dict.fromkeys(SIDES, place), BOTH, CONFIG)
     assert shares.share == dict.fromkeys(SIDES, 0.5)
 
@@ -154,8 +153,8 @@ def test_the_wrenches_make_the_force_the_zmp_and_the_yaw_moment(tilt: float) -> 
         }
         zmp = measured_zmp(*(wrenches[s] for s in SIDES), *(places[s] for s in SIDES), 50.0)
         np.testing.assert_allclose(zmp, shares.zmp, atol=1e-9)
-        total, moment = (
-            np.sum([wrench_about_origin(wrenches[s], places[s])[k] for s in SIDES], axis=0) for k in (0, 1)
+        total, moment = np.sum(
+            [moved_to_origin(wrenches[s].force, wrenches[s].torque, places[s]) for s in SIDES], axis=0
         )
         np.testing.assert_allclose(total, force, atol=1e-9)
         about_zmp = moment - np.cross(np.append(shares.zmp, 0.0), total)
@@ -165,7 +164,7 @@ def test_the_wrenches_make_the_force_the_zmp_and_the_yaw_moment(tilt: float) -> 
 @pytest.mark.parametrize("side", SIDES)
 def test_each_foots_own_zmp_is_its_point(side: Side) -> None:
     places = soles(-0.3, 0.2)
-    point = places[side].position[:2] + np.array([0.05, 0.01])
+    point = places[side][3, :2] + np.array([0.05, 0.01])
     wrench = foot_wrench(0.7, point, np.array([30.0, -10.0, WEIGHT]), 0.0, places[side])
     nothing = Wrench(np.zeros(3), np.zeros(3))
     np.testing.assert_allclose(measured_zmp(wrench, nothing, places[side], places[side], 50.0), point)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from gait_bench import frame_at
 
 from follower_humanoid.balance.attitude import AttitudeConfig, attitude_feedback
 from follower_humanoid.balance.dcm_law import (
@@ -55,16 +57,13 @@ def state(com: Array, velocity: Array) -> CenterState:
 
 
 def dcm_of(now: CenterState, effect: HandEffect) -> Array:
-    return measured_dcm(*now, effect.gamma, effect.kappa, OMEGA)
+    return measured_dcm(*now, effect.kappa, effect.gamma, OMEGA)
 
 
 def force_of(
     now: CenterState, wanted: CenterState, zmp: Array, turning: Array, effect: HandEffect, config: DcmConfig
 ) -> Array:
-    return desired_force(
-        *now, *wanted, zmp, turning, effect.gamma, effect.force, effect.kappa, MASS * OMEGA**2, MASS,
-        config.height_stiffness, config.height_damping,
-    )  # fmt: skip
+    return desired_force(MASS, *now, *wanted, MASS * OMEGA**2, zmp, *effect, turning, astuple(config))
 
 
 def plan(time: float) -> tuple[Array, Array]:
@@ -98,9 +97,8 @@ def attitude_answer(
     """Shift and yaw moment with the gains' defaults; half of the rate is in what is wanted."""
     config, halved = AttitudeConfig(), 0.5 * np.array(spin)
     return attitude_feedback(
-        error, halved, -halved, np.array([0.0, 0.0, momentum_rate]), MASS * GRAVITY,
-        config.stiffness, config.damping, config.inertia, config.zmp_limit, config.yaw_limit,
-    )  # fmt: skip
+        error, halved, -halved, np.array([0.0, 0.0, momentum_rate]), MASS * GRAVITY, astuple(config)
+    )
 
 
 @every_hand
@@ -161,33 +159,29 @@ def test_the_error_is_measured_minus_plan_as_the_law_needs_it() -> None:
 @pytest.mark.parametrize("feedback", [True, False])
 def test_the_law_is_its_steps_one_after_the_other(feedback: bool) -> None:
     rng = np.random.default_rng(6)
-    dcm_config, soles = DcmConfig(), SoleConfig()
-    area = (soles.center, soles.back, soles.front, soles.side)
+    dcm_config, soles = DcmConfig(proportional=GAIN), SoleConfig()
+    usable = astuple(soles)
     for _ in range(30):
         now, wanted = (state(rng.normal(0.0, 0.02, 2), rng.normal(0.0, 0.1, 2)) for _ in range(2))
         dcm_plan, zmp_plan, shift, turning = rng.normal(0.0, 0.03, (4, 2))
         effect = hand_effect(HANDS["lifted and twisted"], MASS)
         places = [
-            part
+            frame_at(np.array([rng.normal(0.0, 0.1), y, 0.0]), pin.rpy.rpyToMatrix(rng.normal(0, 0.1, 3)))
             for y in (0.09, -0.09)
-            for part in (np.array([rng.normal(0.0, 0.1), y, 0.0]), pin.rpy.rpyToMatrix(rng.normal(0, 0.1, 3)))
         ]
-        most, moment = rng.uniform(0.0, 1.0, 2), float(rng.normal(0.0, 10.0))
+        most, moment = tuple(rng.uniform(0.0, 1.0, 2)), float(rng.normal(0.0, 10.0))
         dcm, points = dcm_of(now, effect), np.empty((3, 2))
         zmp = desired_zmp(dcm, dcm_plan, zmp_plan, OMEGA, GAIN) if feedback else zmp_plan
-        shared(zmp, *places, *most, *area, points)
+        shared(zmp, *places, most, usable, points)
         pushed = now if feedback else wanted
         force = force_of(pushed, wanted, points[2].copy(), turning, effect, dcm_config)
-        left = shared(zmp + shift, *places, *most, *area, points)
+        left = shared(zmp + shift, *places, most, usable, points)
         wrenches = np.empty((2, 2, 3))
         for n, share in enumerate((left, 1.0 - left)):
-            wrench_in_sole(
-                share, points[n], force, moment, *places[2 * n : 2 * n + 2], soles.friction, wrenches[n]
-            )
+            wrench_in_sole(share, points[n], force, moment, places[n], soles.friction, wrenches[n])
         result = corrected(
-            feedback, *now, *wanted, dcm_plan, zmp_plan, effect.gamma, effect.force, effect.kappa,
-            turning, shift, moment, *places, *most, OMEGA, MASS * OMEGA**2,
-            MASS, GAIN, dcm_config.height_stiffness, dcm_config.height_damping, *area, soles.friction,
+            feedback, MASS, *now, OMEGA, *wanted, MASS * OMEGA**2, dcm_plan, zmp_plan, *effect,
+            turning, shift, moment, *places, most, astuple(dcm_config), usable,
         )  # fmt: skip
         np.testing.assert_array_equal(result[:2], np.column_stack(((dcm, points[2]), (0.0, 0.0))))
         np.testing.assert_array_equal(result[2:], wrenches.reshape(4, 3))

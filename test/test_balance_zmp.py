@@ -5,18 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from gait_bench import frame_at
 from scipy.spatial import ConvexHull
 
 from follower_humanoid.balance.support_polygon import convex_hull, ground_hull, polygon_margin
-from follower_humanoid.balance.zmp import SolePlace, measured_zmp, wrench_about_origin
+from follower_humanoid.balance.zmp import measured_zmp, moved_to_origin
 from follower_humanoid.core.samples import Array, Wrench
 
 FLOOR = 50.0
 NOTHING = Wrench(np.zeros(3), np.zeros(3))
 
 
-def at(x: float, y: float, yaw: float = 0.0, z: float = 0.0) -> SolePlace:
-    return SolePlace(np.array([x, y, z]), pin.rpy.rpyToMatrix(0.0, 0.0, yaw))
+def at(x: float, y: float, yaw: float = 0.0, z: float = 0.0) -> Array:
+    return frame_at(np.array([x, y, z]), pin.rpy.rpyToMatrix(0.0, 0.0, yaw))
 
 
 def pushed(force: float, forward: float, left: float) -> Wrench:
@@ -49,16 +50,16 @@ def test_friction_on_the_ground_does_not_move_the_zmp_but_at_a_height_it_does() 
 def test_zmp_is_where_the_wrench_has_no_horizontal_moment() -> None:
     rng = np.random.default_rng(1)
     for _ in range(20):
-        places = [SolePlace(rng.normal(0, 0.3, 3), pin.exp3(rng.normal(0, 0.3, 3))) for _ in range(2)]
+        places = [pin.SE3(pin.exp3(rng.normal(0, 0.3, 3)), rng.normal(0, 0.3, 3)) for _ in range(2)]
         wrenches = [
             Wrench(rng.normal(0, 30, 3) + np.array([0, 0, 400.0]), rng.normal(0, 20, 3)) for _ in range(2)
         ]
-        zmp = measured_zmp(*wrenches, *places, FLOOR)
+        zmp = measured_zmp(*wrenches, *(frame_at(p.translation, p.rotation) for p in places), FLOOR)
         assert zmp is not None
         moment = np.zeros(3)
         for wrench, place in zip(wrenches, places, strict=True):
-            force = place.rotation @ wrench.force
-            moment += place.rotation @ wrench.torque + np.cross(place.position - np.append(zmp, 0.0), force)
+            lever = place.translation - np.append(zmp, 0.0)
+            moment += place.rotation @ wrench.torque + np.cross(lever, place.rotation @ wrench.force)
         np.testing.assert_allclose(moment[:2], np.zeros(2), atol=1e-9)
 
 
@@ -66,18 +67,15 @@ def test_transport_of_wrenches_does_not_change_them() -> None:
     # The same wrench told at another point and in other axes of the foot.
     rng = np.random.default_rng(2)
     for _ in range(10):
-        place = SolePlace(rng.normal(0, 0.3, 3), pin.exp3(rng.normal(0, 1.0, 3)))
+        position, rotation = rng.normal(0, 0.3, 3), pin.exp3(rng.normal(0, 1.0, 3))
         wrench = Wrench(rng.normal(0, 100, 3), rng.normal(0, 20, 3))
         offset, turn = rng.normal(0, 0.1, 3), pin.exp3(rng.normal(0, 1.0, 3))
-        other = SolePlace(place.position + place.rotation @ offset, place.rotation @ turn)
-        moved = Wrench(turn.T @ wrench.force, turn.T @ (wrench.torque - np.cross(offset, wrench.force)))
-        for one, two in zip(
-            wrench_about_origin(wrench, place), wrench_about_origin(moved, other), strict=True
-        ):
-            np.testing.assert_allclose(one, two, atol=1e-9)
-        force, moment = wrench_about_origin(wrench, place)
-        dual = pin.SE3(place.rotation, place.position).act(pin.Force(wrench.force, wrench.torque))
-        np.testing.assert_allclose(np.concatenate((force, moment)), dual.vector, atol=1e-9)
+        other = frame_at(position + rotation @ offset, rotation @ turn)
+        moved = turn.T @ wrench.force, turn.T @ (wrench.torque - np.cross(offset, wrench.force))
+        here = moved_to_origin(wrench.force, wrench.torque, frame_at(position, rotation))
+        np.testing.assert_allclose(here, moved_to_origin(*moved, other), atol=1e-9)
+        dual = pin.SE3(rotation, position).act(pin.Force(wrench.force, wrench.torque))
+        np.testing.assert_allclose(np.concatenate(here), dual.vector, atol=1e-9)
 
 
 def test_the_zmp_moves_with_the_robot() -> None:

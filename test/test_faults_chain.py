@@ -104,6 +104,24 @@ def test_a_drive_holds_within_the_range_of_its_joints():
     np.testing.assert_allclose(voltage[joints], back_emf * HoldConfig().velocity_limit)
 
 
+@pytest.mark.parametrize("margin", [0.0, 0.25, 0.5])
+def test_a_margin_never_takes_a_held_position_out_of_a_short_range(margin):
+    robot = RobotModel()
+    joints = robot.groups.legs
+    drives = Drives(HoldConfig(stop_margin=margin), MotorConfig(), robot, joints)
+    lower, upper = robot.lower[joints], robot.upper[joints]
+    middle = 0.5 * (lower + upper)
+    for beyond, near in ((-10.0, lower), (10.0, upper)):
+        drives.receive(Joints(np.full(len(joints), beyond), np.zeros(len(joints)), np.zeros(len(joints))))
+        drives.receive(None)
+        # Where it is held no voltage is spent.
+        position, voltage = np.zeros(45), np.zeros(45)
+        held = np.where(np.abs(upper - lower) < 2.0 * margin, middle, near + np.sign(middle - near) * margin)
+        position[joints] = held
+        drives.write(position, np.zeros(45), voltage)
+        np.testing.assert_allclose(voltage[joints], 0.0, atol=1e-9)
+
+
 def test_a_slack_drive_gives_no_voltage_until_it_starts_anew():
     robot = RobotModel()
     drives = Drives(HoldConfig(), MotorConfig(), robot, robot.groups.arms)

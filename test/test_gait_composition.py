@@ -254,6 +254,31 @@ def test_footsteps_are_published_when_they_change_and_not_more() -> None:
             assert step.position.shape == (3,)
 
 
+def test_a_planned_closing_step_is_published_as_one() -> None:
+    published = [out.footsteps.steps for out in walked("ahead").outputs if out.footsteps is not None]
+    counted = []
+    for before, after in pairwise(published):
+        next_one = sum(step.taken for step in before)
+        if after[next_one:] and after[next_one].taken:
+            assert before[next_one].counted == after[next_one].counted
+            counted.append(after[next_one].counted)
+    assert counted == [True, True, False]
+
+
+@pytest.mark.parametrize("heading", [0.0, -math.pi / 4])
+def test_what_was_published_last_is_where_the_foot_goes(heading: float) -> None:
+    ideal = IdealRobot()
+    slow = Gait(1.0, heading, 0.8, 1.0, heading)
+    ideal.run(24.0, always(slow))
+    walker = ideal.composition._motion.walker
+    while not 0.1 < (walker.half_step.swing_progress if walker.half_step else 0.0) < 0.3:
+        ideal.tick(slow)
+    ideal.run(0.5, always(replace(slow, step_length=1.0)))
+    last = next(out.footsteps for out in reversed(ideal.outputs) if out.footsteps is not None)
+    planned = next(step for step in last.steps if not step.taken)
+    np.testing.assert_allclose(planned.position[:2], walker.landing.xy, atol=1e-3)
+
+
 def test_the_first_outputs_hold_the_measured_posture() -> None:
     ideal = IdealRobot()
     start = ideal.joints.position.copy()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -188,20 +186,6 @@ def test_with_more_damping_even_an_impossible_height_does_no_harm() -> None:
         ik.advance(feet, raised(body, 0.95), np.zeros(45), DT)
         assert np.abs(ik.v).max() < 20.0
         assert knees(ik).min() > 0.0
-
-
-def test_a_copy_goes_its_own_way(ik: DifferentialIk) -> None:
-    rng = np.random.default_rng(10)
-    feet, body = moving(ik, rng)
-    ik.advance(feet, body, np.zeros(45), DT)
-    twin, place = copy.deepcopy(ik), ik.soles[Side.LEFT].copy()
-    for _ in range(3):
-        twin.advance(feet, body, np.zeros(45), DT)
-    np.testing.assert_array_equal(ik.soles[Side.LEFT], place)
-    for _ in range(3):
-        ik.advance(feet, body, np.zeros(45), DT)
-    np.testing.assert_array_equal(twin.q, ik.q)
-    np.testing.assert_array_equal(twin.angular_momentum, ik.angular_momentum)
 
 
 def test_left_and_right_are_mirror_images(ik: DifferentialIk) -> None:

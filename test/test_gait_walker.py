@@ -11,6 +11,7 @@ from gait_bench import AHEAD, STAND, GaitPlan, Tick, WalkerBench, always, mirror
 
 from follower_humanoid.core.samples import SIDES, Array, Gait, Side
 from follower_humanoid.gait.feet import half_step_length
+from follower_humanoid.gait.sequence import load_sequence
 from follower_humanoid.gait.walk_plan import WalkerConfig
 
 WAYS = {
@@ -273,3 +274,26 @@ def test_a_foot_that_bounces_after_touching_down_is_not_sent_down_anew() -> None
         speeds.append(float(bench.walker.half_step.swing.height.velocity[0]))
     assert np.abs(np.diff(speeds)).max() < 0.1 * max(abs(speeds[0]), 0.01)
     assert abs(speeds[-1]) < abs(speeds[0])
+
+
+@pytest.mark.parametrize("first_transfer", [0.0, 0.05, 0.9])
+def test_asked_to_stop_in_the_first_double_support_no_foot_leaves_the_ground(first_transfer: float) -> None:
+    bench = WalkerBench(WalkerConfig(first_transfer=first_transfer))
+    bench.run(0.2, always(AHEAD))
+    assert bench.walker.half_step is not None
+    bench.run(6.0, always(STAND))
+    assert bench.swings() == []
+    assert bench.walker.half_step is None
+
+
+@pytest.mark.parametrize("parts", [(1.0,), (0.5, 0.5)])
+def test_double_support_in_two_phases_commits_like_one(parts: tuple[float, ...]) -> None:
+    whole = load_sequence()
+    first = whole.phases[0]
+    halves = tuple(replace(first, share=first.share * part) for part in parts)
+    bench = WalkerBench(sequence=replace(whole, phases=(*halves, *whole.phases[1:])))
+    transfer = max(WalkerConfig().first_transfer, whole.double_share * WalkerConfig().half_step_time)
+    bench.run(0.85 * transfer, always(AHEAD))
+    assert bench.walker.swinging is None
+    bench.run(8.0, always(STAND))
+    assert len(bench.landings()) > 0  # too late to turn back

@@ -15,13 +15,12 @@ from rclpy.context import Context
 from rclpy.parameter import Parameter
 
 from follower_humanoid.bag.recorder import ADJUSTED, HOLDING
-from follower_humanoid.core.topics import READERS, TOPICS
+from follower_humanoid.core.topics import PEOPLE, READERS, TOPICS
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, PRODUCER, SIMULATOR, WIRING, used_tick
 from follower_humanoid.ros.barrier import RESET
 from follower_humanoid.ros.component_node import ComponentNode
 from follower_humanoid.ros.envelope import envelope_topic, seen_topic
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.leaving import LEAVE
 from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.simulator_node import SimulatorNode

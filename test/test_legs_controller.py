@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 from gait_bench import inputs_of, odometry_of, robot, standing_configuration, vertical
 
-from follower_humanoid.control.legs import LegConfig, LegController
+from follower_humanoid.control.legs import FIRST_REFERENCE, LegConfig, LegController
 from follower_humanoid.control.motor_inverse import MotorInverse, MotorModel
 from follower_humanoid.control.sliding_mode import SlidingModeConfig
 from follower_humanoid.core.samples import Array, Joints, Odometry, Wrench
@@ -48,7 +48,8 @@ def controller(**values: Any) -> LegController:
 
 
 def step(legs: LegController, values: dict[str, Any]) -> Joints:
-    command: Joints = legs.step(inputs_of(LegController, **values), 0.0).command
+    command = legs.step(inputs_of(LegController, **values), 0.0).command
+    assert command is not None
     return command
 
 
@@ -169,6 +170,26 @@ def test_before_a_reference_it_holds_the_first_posture() -> None:
     np.testing.assert_array_equal(second.position, first.position)
     # Both feet carry by measurement: nearly no voltage is spent but for gravity.
     assert np.abs(first.effort).max() < 20.0
+
+
+def test_it_waits_for_the_first_reference_for_a_moment_only() -> None:
+    legs = controller()
+    commands = [legs.step(inputs_of(LegController, **standing()), 0.0).command for _ in range(100)]
+    there = [command is not None for command in commands]
+    assert sum(there) == pytest.approx(FIRST_REFERENCE / DT, abs=1)
+    assert there == sorted(there, reverse=True)
+
+
+def test_when_the_reference_falls_silent_the_drives_hold_and_it_goes_on_without_a_jerk() -> None:
+    legs, fresh = controller(), controller()
+    moving = hold()
+    moving.velocity[LEGS] = 0.5
+    step(legs, standing(reference=hold(), **FEET))
+    assert legs.step(inputs_of(LegController, **standing()), 0.0).command is None
+    again = step(legs, standing(reference=moving, **FEET))
+    step(fresh, standing(reference=moving, **FEET))
+    steady = step(fresh, standing(reference=moving, **FEET))
+    np.testing.assert_allclose(again.effort, steady.effort, atol=1.0)
 
 
 def test_hand_wrenches_that_have_not_come_are_left_out() -> None:

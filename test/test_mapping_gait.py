@@ -64,6 +64,18 @@ def test_zero_force_holds_the_last_direction_and_stands(robot: RobotModel) -> No
     assert gaits[-1].walk_dir == pytest.approx(turned, abs=1e-9)
 
 
+def test_hands_that_were_not_measured_for_a_while_must_call_anew(robot: RobotModel) -> None:
+    component = mapping(robot)
+    nothing = GaitMapping.Inputs(None, None)
+    assert run(component, 2.0, pull(5, 0))[-1].walk_speed > 0.0
+    assert component.step(nothing, 0.0).gait.walk_speed == 0.0
+    assert run(component, PERIOD, pull(5, 0))[0].walk_speed > 0.0  # one message was lost
+    for _ in range(round(GaitMappingConfig().stop_time / PERIOD)):
+        component.step(nothing, 0.0)
+    assert {gait.walk_speed for gait in run(component, 5.0, ZERO)} == {0.0}
+    assert run(component, PERIOD, pull(5, 0))[0].walk_speed == 0.0
+
+
 def test_starts_after_the_start_time_and_within_400_ms(robot: RobotModel) -> None:
     for newton in (1.0, 3.0, 5.0):
         component = mapping(robot)

@@ -8,7 +8,7 @@ import pytest
 
 from follower_humanoid.core.samples import SIDES
 from follower_humanoid.resources import share_path
-from follower_humanoid.robot.body_table import TOTAL_MASS, follower_body
+from follower_humanoid.robot.body_table import follower_body
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.robot.urdf_writer import urdf_text
 
@@ -48,7 +48,7 @@ def test_contract_frame_exists(robot, name):
 
 
 def test_masses_add_up(robot):
-    assert robot.mass == pytest.approx(TOTAL_MASS, rel=0.02)
+    assert robot.mass == pytest.approx(73.0, rel=0.02)
 
 
 def test_stands_175_cm_tall(robot):

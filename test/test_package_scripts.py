@@ -126,6 +126,35 @@ def test_ci_runs_the_tests(checkout):
     assert checkout.called()[-1] == "pytest"
 
 
+@pytest.mark.parametrize(
+    ("status", "again"),
+    [
+        (1, True),  # tests failed
+        (139, True),  # it crashed, and could not note which
+        (2, False),  # stopped, or a file of tests cannot be read: few or none were run
+    ],
+)
+def test_ci_runs_failed_tests_once_more_with_the_same_arguments(checkout, status, again):
+    fails = f'[ "$(grep -c ^pytest "$CALLS")" -gt 1 ] || exit {status}'
+    once = f'pytest) shift; echo "$@" >>"$CALLS"; {fails} ;;\n    *) shift;'
+    checkout.interpreter.write_text(PYTHON.replace("*) shift;", once), encoding="utf-8")
+    done = checkout.run(".ci/run", "-k", "zmp")
+    tested = [line for line in checkout.called() if line.startswith("pytest")]
+    once_more = "pytest --last-failed --last-failed-no-failures all -k zmp"
+    assert tested == ["pytest -k zmp", *([once_more] if again else [])]
+    assert done.returncode == (0 if again else status)
+
+
+def test_ci_takes_no_failures_of_other_days_for_its_own(checkout):
+    noted = checkout.root / ".pytest_cache" / "v" / "cache" / "lastfailed"
+    noted.parent.mkdir(parents=True)
+    noted.touch()
+    # It does not get as far as the tests: there is no network for once.
+    checkout.interpreter.write_text(PYTHON.replace("*) shift;", "pip) exit 1 ;; *) shift;"), encoding="utf-8")
+    assert checkout.run(".ci/run").returncode == 1
+    assert not noted.exists()
+
+
 def test_benchmark_passes_its_arguments_on(checkout):
     checkout.run("scripts/benchmark", "fig4")
     assert checkout.called()[-1] == "follower_humanoid.bench fig4"

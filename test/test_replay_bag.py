@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import struct
+import threading
 from pathlib import Path
 
 import pytest
 from bag_messages import START, TICK_NS, write_bag
+from graph_bench import PATIENCE
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
-from follower_humanoid.replay.events import CLOCK, Event, events, with_clock
+from follower_humanoid.replay.events import CLOCK, READING_AHEAD, Event, events, with_clock
 from follower_humanoid.replay.index import index_bag
 from follower_humanoid.replay.offered import Offered, offered_in
 from follower_humanoid.replay.player import Player, PlayOptions
@@ -64,9 +66,14 @@ def test_events_come_in_order_from_the_start_that_was_asked_for(tmp_path):
 
 def test_leaving_a_playback_ends_the_reading_ahead(tmp_path):
     index = index_bag(write_bag(tmp_path / "bag", 2000))
+    before = set(threading.enumerate())
     stream = events(index, frozenset(index.topics))
     next(stream)
+    (reading,) = (t for t in set(threading.enumerate()) - before if t.name == READING_AHEAD)
+    assert reading.is_alive(), "the bag is longer than what is read ahead"
     stream.close()
+    reading.join(PATIENCE)
+    assert not reading.is_alive()
 
 
 def test_a_clock_is_made_from_the_times_of_receipt():
@@ -99,10 +106,19 @@ def test_topics_are_chosen_and_the_clock_goes_with_them(tmp_path):
     assert without == index.topics.keys() - {"/odom"}
     with pytest.raises(UnknownNameError, match=r"'/nothing'; valid: .*/odom"):
         Player(index, PlayOptions(bag, topics=("/nothing",)), index.topics)
-    with pytest.raises(ConfigurationError, match="ends after"):
-        Player(index, PlayOptions(bag, start=5.0), index.topics)
+    for option in ("--start", "--start-offset"):
+        with pytest.raises(ConfigurationError, match=f"^{option} 5: bag .* ends after"):
+            Player(index, PlayOptions(bag, start=5.0, start_option=option), index.topics)
     with pytest.raises(ConfigurationError, match="nothing that can be played"):
         Player(index, PlayOptions(bag), ())
+
+
+def test_a_start_behind_a_single_message_is_refused(tmp_path):
+    index = index_bag(foreign_bag(tmp_path / "one", 1))
+    assert index.duration == 0.0
+    Player(index, PlayOptions(tmp_path / "one"), index.topics)
+    with pytest.raises(ConfigurationError, match="ends after"):
+        Player(index, PlayOptions(tmp_path / "one", start=0.5), index.topics)
 
 
 def test_a_loop_goes_on_until_stopped(tmp_path):

@@ -9,14 +9,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
+from std_msgs.msg import Header
 
+from follower_humanoid.bag.cdr import Cursor
+from follower_humanoid.bag.mcap_writer import McapWriter
+from follower_humanoid.bag.parameter_events import parameter_event
 from follower_humanoid.bag.reader import read_run
-from follower_humanoid.graph.record import Run
+from follower_humanoid.graph.record import Adjusted, Holding, Run
 from follower_humanoid.graph.resimulate import repeatable
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.nodes.replay import main
-from follower_humanoid.replay.again import repeat
+from follower_humanoid.replay.again import FAILED, repeat
+from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.simulated_bag import SimulatedBag
 
 TICKS, CHANGED = 120, 40
@@ -76,6 +84,72 @@ def test_others_can_read_it(bag):
         assert topics["/gait"] == pytest.approx(TICKS / 5, abs=1)
         assert topics["/graph/adjusted"] == 1
         assert reader.duration == pytest.approx(TICKS * 2_000_000, abs=4_000_000)
+
+
+VALUES = {
+    "mode": "auto", "payload": 0.5, "on": True, "count": -7, "numbers": (0.1, -2.0, 3.0),
+    "words": ("a", "längere"), "flags": (True, False, True), "whole": (1, -(2**40)), "last": "x",
+}  # fmt: skip
+
+
+def test_changes_are_written_as_the_wire_has_them(run: Run, tmp_path: Path) -> None:
+    """Every byte has a meaning: no reader stumbles over what follows, and equal messages are equal bytes."""
+    adjusted, holding = Adjusted(41, "arm_controller", VALUES), Holding(41, ("arms/command",))
+    written = SimulatedBag(tmp_path / "bag", None, run, RobotModel())
+    for _ in range(2):
+        written.adjust(adjusted)
+        written.hold(holding)
+    written.close()
+    with AnyReader([tmp_path / "bag"]) as reader:
+        datas: dict[str, list[bytes]] = {}
+        for connection, _, data in reader.messages():
+            reader.deserialize(data, connection.msgtype)  # which wants each byte accounted for
+            datas.setdefault(connection.topic, []).append(bytes(data))
+    (first, second), (held, held_again) = datas["/graph/adjusted"], datas["/graph/holding"]
+    assert first == second
+    assert held == held_again
+
+    expected = ParameterEvent(node="arm_controller")
+    expected.stamp.nanosec = 41 * 2_000_000
+    expected.changed_parameters = [
+        Parameter(name, value=list(value) if isinstance(value, tuple) else value).to_parameter_msg()
+        for name, value in VALUES.items()
+    ]
+    assert deserialize_message(first, ParameterEvent) == expected
+    cursor = Cursor(first)
+    assert parameter_event(cursor) == (41 * 2_000_000, "arm_controller", VALUES)
+    assert cursor.position == len(first), "nothing behind the message"
+    assert deserialize_message(held, Header).frame_id == "arms/command"
+    assert len(held) == 4 + 8 + 4 + len("arms/command") + 1
+
+
+@pytest.mark.parametrize("flushed", [200, 50])  # [ms]: refused when it is closed; before that, and then too
+def test_a_full_disk_ends_it_with_one_line(bag, tmp_path, monkeypatch, capsys, flushed):
+    put = McapWriter._put
+
+    def fill(writer: McapWriter, data: bytes) -> None:
+        if writer._chunk_count > 1:
+            raise OSError(28, "No space left on device")
+        put(writer, data)
+
+    monkeypatch.setattr(McapWriter, "_put", fill)
+    monkeypatch.setattr("follower_humanoid.bag.writer._FLUSH_NS", flushed * 1_000_000)
+    target = tmp_path / "full"
+    assert main([str(bag), "--simulate", "--bag", str(target)]) == FAILED
+    told = capsys.readouterr().err.splitlines()
+    assert told[-1] == f"{target}: No space left on device; what was written before can be read"
+    kept = read_run(target)
+    assert len(kept["joint_states"]) == pytest.approx(flushed / 2, abs=2)
+    assert any("cut off" in note for note in kept.notes)
+
+
+def test_no_room_for_temporary_files_is_told_as_that(bag, monkeypatch, capsys):
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("follower_humanoid.replay.again.tempfile.TemporaryDirectory", refuse)
+    assert main([str(bag), "--simulate"]) == FAILED
+    assert capsys.readouterr().err.splitlines()[-1] == "a temporary file: No space left on device"
 
 
 def test_nothing_is_overwritten_and_what_is_played_is_not_recorded(bag, tmp_path, capsys):

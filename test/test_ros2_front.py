@@ -127,7 +127,9 @@ def test_copies_of_the_front_do_not_hand_over_to_each_other(tmp_path, text):
     ours = script(tmp_path / "first", text)
     assert is_ours(ours)
     assert real_ros2([str(tmp_path / "first"), str(tmp_path / "none")]) is None
-    other = script(tmp_path / "second", "#!/usr/bin/python3\nfrom ros2cli.cli import main\n")
+    # Its interpreter may lie in a folder that is called like this package.
+    shebang = "#!/home/me/follower_humanoid/.venv/bin/python3"
+    other = script(tmp_path / "second", f"{shebang}\nfrom ros2cli.cli import main\n")
     assert real_ros2([str(tmp_path / "first"), str(tmp_path / "second")]) == other
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -254,5 +255,23 @@ def test_bags_are_recorded_described_and_played(robot, tmp_path: Path):
         assert wait_until(lambda: len(robot.heard) > RATE / 2)
     assert {message.wrench.force.x for message in robot.heard} == {4.0}
     ros2(*words)  # once, and then it ends
+    late = ("--start-offset", "1e6")
+    ros2("bag", "play", str(bag), *late, status=2, shows=f"--start-offset 1e+06: bag {bag} ends")
     ros2("bag", "record", "-a", "-o", str(bag), status=2, shows="exists already")
     ros2("bag", "record", "-a", "-o", str(tmp_path / "short"), "-d", "0.1", shows="messages of")
+
+
+@pytest.mark.parametrize("topic", ["/lab/force", "/lab/about"])  # nothing more comes: refused when it ends
+def test_a_full_disk_ends_a_recording_with_one_line(robot, tmp_path: Path, topic: str):
+    bag = tmp_path / "bag"
+    words = [*MAIN, "bag", "record", topic, "-o", str(bag)]
+    recorder = subprocess.Popen(words, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
+    with beside(recorder):
+        assert wait_until(lambda: any(file.stat().st_size > 500 for file in bag.glob("*.mcap")))
+        resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (1, 1))
+        if topic == "/lab/about":
+            recorder.send_signal(signal.SIGINT)
+        _, said = recorder.communicate(timeout=PATIENCE)
+    assert recorder.returncode == 1, said
+    assert said.splitlines()[1:] == [f"bag {bag}: File too large; what was written before can be read"]
+    assert f"Topic: {topic} | " in ros2("bag", "info", str(bag))

@@ -7,6 +7,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PolygonStamped, PoseWithCovariance, WrenchStamped
 from sensor_msgs.msg import JointState
 
+from follower_humanoid.command_line import UsageError
 from follower_humanoid.ros2_front.messages import (
     field_of,
     fill,
@@ -16,7 +17,7 @@ from follower_humanoid.ros2_front.messages import (
     type_name_of,
     yaml_text,
 )
-from follower_humanoid.ros2_front.verbs import CommandError, UsageError
+from follower_humanoid.ros2_front.verbs import CommandError
 
 
 def filled(message_class, text):

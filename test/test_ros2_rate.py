@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from follower_humanoid.command_line import Parser
 from follower_humanoid.ros2_front import topic_pub
 from follower_humanoid.ros2_front.topic_hz import statistics
-from follower_humanoid.ros2_front.verbs import Parser
 
 RATE = 20.0
 COUNT = 60

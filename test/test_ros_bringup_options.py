@@ -9,11 +9,12 @@ import pytest
 import yaml
 from graph_bench import run
 
+from follower_humanoid.command_line import split_ros_args
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.nodes.bringup import main
 from follower_humanoid.robot.model import RobotModel
-from follower_humanoid.ros.bringup_options import _parser, parse, split_ros_args
+from follower_humanoid.ros.bringup_options import _parser, parse
 from follower_humanoid.ros.launch_options import SWITCHES, WORDS, bringup_command
 from follower_humanoid.ros.run_plan import make_plan
 
@@ -110,6 +111,11 @@ def test_ros_arguments_reach_every_node_and_parameters_are_checked_among_them():
         plan("--ros-args", "-p", "body.mass_scale:=nan")
 
 
+def test_the_command_of_a_run_says_all_its_switches():
+    command = plan("--bag", "none", "--open", "--composed", "--view", "--realtime").about["command"]
+    assert set(command.split()) >= {"--open", "--composed", "--view", "--realtime"}
+
+
 def test_remapped_topics_are_heard_by_name():
     assert plan("--bag", "none").parameters["zmp_balance"].get("by_topic") == ""
     rules = ("-r", "zmp_balance:odom:=filtered", "--remap", "/robot/imu:=other", "-r", "__ns:=/robot")
@@ -142,15 +148,20 @@ def write_urdf_without(*frames):
     return write("/**: {ros__parameters: {urdf: robot.urdf}}")
 
 
+TOO_LONG = "a" * 300  # for a file's name
+
 BAD = {
-    "option": (lambda: ["--colour", "red"], "no such option: --colour", "--duration"),
-    "abbreviation": (lambda: ["--dur", "3"], "no such option: --dur", "--duration"),
-    "word": (lambda: ["fig4"], "no such option: fig4", "--leader"),
+    "option": (lambda: ["--colour", "red"], "no such argument: --colour", "--duration"),
+    "abbreviation": (lambda: ["--dur", "3"], "no such argument: --dur", "--duration"),
+    "word": (lambda: ["fig4"], "no such argument: fig4", "--leader"),
     "duration text": (lambda: ["--duration", "long"], "--duration", "greater than 0"),
     "duration zero": (lambda: ["--duration", "0"], "'0'", "greater than 0"),
     "duration nan": (lambda: ["--duration", "nan"], "'nan'", "greater than 0"),
+    "duration beyond": (lambda: ["--duration", "1e8"], "duration = 100000000.0", "10000000.0 s"),
     "duration missing": (lambda: ["--duration"], "--duration", "expected one argument"),
     "leader": (lambda: ["--leader", "fig6"], "fig6", "fig4, fig5"),
+    "leader left out": (lambda: ["--leader", "fig6", "--without", "leader"], "fig6", "fig4, fig5"),
+    "leader too long": (lambda: ["--leader", TOO_LONG], "no force programme", "fig4, fig5"),
     "leader file": (lambda: ["--leader", write("- {until: 1, up: [1, 2, 3]}")], "up", "left"),
     "leader not yaml": (lambda: ["--leader", write("- {until: ")], "file.yaml", "YAML"),
     "node": (lambda: ["--without", "viewer"], "viewer", "gait_mapping"),
@@ -198,6 +209,9 @@ BAD = {
     "ros parameter form": (lambda: ["--ros-args", "-p", "tick"], "tick", "NAME:=VALUE"),
     "ros remap": (lambda: ["--ros-args", "-r", "nonsense"], "nonsense", "--ros-args"),
     "bag taken": (lambda: ["--bag", str(Path("file.yaml").parent)], "exists already", "new folder"),
+    "bag too long": (lambda: ["--bag", TOO_LONG], TOO_LONG, "too long"),
+    "bag of nobody": (lambda: ["--bag", "~no_such_user/bag"], "~no_such_user", "home"),
+    "params too long": (lambda: ["--params", TOO_LONG], TOO_LONG, "too long"),
     "bag under a file": (lambda: ["--bag", f"{write('')}/bag"], "file.yaml", "not a folder"),
 }
 

@@ -13,11 +13,10 @@ from sensor_msgs.msg import JointState
 from follower_humanoid.core import samples
 from follower_humanoid.core.cdr import NANOSECONDS, clock_bytes, stamp_of
 from follower_humanoid.core.samples import Side
-from follower_humanoid.core.topics import TOPICS
+from follower_humanoid.core.topics import PEOPLE, TOPICS
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import Codec
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.validation import MessageError
 
 # A sum of squares of the largest numbers overflows; it only decides whether to look more closely.
@@ -235,6 +234,13 @@ def test_unusable_joints_are_refused(message, reason):
     with pytest.raises(MessageError, match=reason) as error:
         foreign("joint_states", message)
     assert "joint_states" in str(error.value)
+
+
+def test_a_complaint_about_many_names_is_short():
+    names = [f"tail_{n}" for n in range(20_000)]
+    with pytest.raises(MessageError, match="given twice") as error:
+        foreign("joint_states", long_joints(names=[*names, *names]))
+    assert "19995 more" in str(error.value)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

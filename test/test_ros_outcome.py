@@ -113,7 +113,7 @@ STUBBORN = f"import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN);
 @pytest.fixture
 def crew():
     """Nobody of it is left, whatever the test came to."""
-    made = Crew({})
+    made = Crew()
     yield made
     made.kill()
 

@@ -27,13 +27,18 @@ def check_experiment(parameters: Mapping[str, Mapping[str, Any]], urdf: str = ""
 
     Raises:
         ConfigurationError: A stiffness is not positive, the target or a part of the square is out of reach,
-            or the board is not where the task looks for it.
+            or the board is not there or not where the task looks for it.
     """
     build(ArmControllerConfig, _own(ArmControllerConfig, parameters, "arm_controller"), "arm_controller")
     plant = build(SimulatorConfig, _own(SimulatorConfig, parameters, "simulator"), "simulator")
     task = build(ArmTaskConfig, _own(ArmTaskConfig, parameters, "arm_task"), "arm_task")
     if not plant.fixed_trunk:
         raise ConfigurationError("simulator: fixed_trunk = false: an arm experiment needs true")
+    if task.task == BOARD and plant.board.stiffness <= 0.0:
+        raise ConfigurationError(
+            f"simulator: board.stiffness = {plant.board.stiffness} N/m: there is no board to write on; "
+            "valid: above 0 N/m"
+        )
     if task.task == BOARD and abs(task.board.distance - plant.board.distance) > task.board.standoff:
         raise ConfigurationError(
             f"arm_task: board.distance = {task.board.distance} m: valid: within board.standoff = "

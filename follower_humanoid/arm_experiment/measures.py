@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from follower_humanoid.control.arm_modes import COMPENSATION
 from follower_humanoid.control.hand_task import HandKinematics
 from follower_humanoid.core.samples import Array
+from follower_humanoid.errors import FollowerError
 from follower_humanoid.graph.record import Run
 from follower_humanoid.robot.model import RobotModel
 
@@ -109,7 +110,8 @@ class BoardNumbers:
         expected_force: K_m k_b/(K_m + k_b) · commanded penetration [N].
         peak_force: Largest normal force [N].
         touchdowns: How often contact began.
-        free_force: Largest true contact force, and largest sensed force, off contact, shape (2,) [N].
+        free_force: Largest true contact force where the hand is in front of the board, and largest sensed
+            force from a moment after it came there, shape (2,) [N].
         tangential_force: Largest sensed |F_y|, |F_z|, shape (2,) [N].
     """
 
@@ -133,8 +135,13 @@ def board_numbers(
         stiffness: K_m along x [N/m].
         board_stiffness: k_b [N/m].
         penetration: How far behind the surface the targets lie [m].
+
+    Raises:
+        FollowerError: There is no contact to measure.
     """
     touching, press = trace.touching, np.abs(trace.contact[:, 0])
+    if not touching.any():
+        raise FollowerError("the hand never touched the board: nothing to measure")
     error = (trace.target - trace.place)[touching, 1:]
     written, asked = trace.place[touching, 1:], trace.target[touching, 1:]
     beyond = np.maximum(written - asked.max(axis=0), asked.min(axis=0) - written)
@@ -142,7 +149,10 @@ def board_numbers(
     pressed = touching & np.all(np.isclose(trace.target, np.roll(trace.target, 1, axis=0), atol=1e-9), axis=1)
     pressed &= trace.target[:, 0] > trace.target[:, 0].max() - 1e-9
     late = _lasting(pressed, trace.time, 0.3)
-    free = ~_dilated(touching, trace.time, _FILTERED)
+    in_front = trace.place[:, 0] < trace.target[:, 0].max() - penetration
+    # What is measured at a tick is the mean since the one before.
+    apart = in_front & np.roll(in_front, 1)
+    free = ~_dilated(~in_front, trace.time, _FILTERED)
     return BoardNumbers(
         tracking_error=np.sqrt(np.mean(error**2, axis=0)),
         overshoot=float(beyond.max()),
@@ -150,7 +160,7 @@ def board_numbers(
         expected_force=stiffness * board_stiffness / (stiffness + board_stiffness) * penetration,
         peak_force=float(press.max()),
         touchdowns=begins,
-        free_force=np.array([press[~touching].max(), np.linalg.norm(trace.sensed[free], axis=1).max()]),
+        free_force=np.array([press[apart].max(), np.linalg.norm(trace.sensed[free], axis=1).max()]),
         tangential_force=np.abs(trace.sensed[:, 1:]).max(axis=0),
     )
 

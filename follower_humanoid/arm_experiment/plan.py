@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NoReturn
 
 from follower_humanoid.arm_experiment.checks import check_experiment
 from follower_humanoid.arm_experiment.experiments import EXPERIMENTS, Experiment, experiment
-from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.command_line import Parser, positive, split_ros_args
 from follower_humanoid.graph.graph_config import LEADER, RECORDER
 from follower_humanoid.graph.wiring import ARM_TASK, NODES
-from follower_humanoid.ros.bringup_options import NONE, parse, split_ros_args
+from follower_humanoid.ros.bringup_options import NONE, parse
 from follower_humanoid.ros.run_plan import RunPlan, make_plan
 
 PROGRAM = "arm_experiment"
 
 
-class _Parser(argparse.ArgumentParser):
-    """Complains in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        raise ConfigurationError(f"{self.prog}: {message}")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+def _parser() -> Parser:
+    parser = Parser(
         prog=PROGRAM,
         description="One arm on a fixed trunk: writes on an elastic board, or goes to a target and lets "
         "itself be led on the way. The run is recorded.",
@@ -37,7 +28,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("experiment", metavar="|".join(EXPERIMENTS), help="which experiment")
-    add("--duration", metavar="S", help="simulated seconds (default: what the experiment takes)")
+    seconds = "simulated seconds (default: what the experiment takes)"
+    add("--duration", type=positive, metavar="S", help=seconds)
     add("--bag", metavar="DIR|none", help="folder of the recorded run (default: bags/<date-time>)")
     add("--realtime", action="store_true", help="not faster than real time")
     add("--params", action="append", default=[], metavar="FILE", help="ROS 2 parameter file; repeatable")
@@ -54,7 +46,7 @@ def make_arm_plan(args: Sequence[str]) -> RunPlan:
     given = _parser().parse_args(own)
     chosen = experiment(given.experiment)
     words = ["--leader", str(chosen.programme_file or NONE), "--params", str(chosen.parameter_file)]
-    words += ["--duration", given.duration if given.duration is not None else repr(chosen.duration)]
+    words += ["--duration", repr(chosen.duration if given.duration is None else given.duration)]
     words += ["--bag", given.bag] if given.bag is not None else []
     words += ["--realtime"] if given.realtime else []
     words += [word for path in given.params for word in ("--params", path)]

@@ -118,18 +118,22 @@ class TargetPlanner:
         planned, velocity = self._line.at(self._elapsed)
         if _length(planned - place) > self._leading.leash:
             self.led, self.done, self._quiet = True, False, 0.0
+            self._begin_at(place)
             return self._follow(place, speed), np.zeros(3)
         return planned, velocity
 
     def _follow(self, place: Array, speed: float) -> Array:
         if speed > self._leading.rest_speed:
             self._quiet = 0.0
-            self._line = Line.towards(place, self._points[self._index])
+            self._begin_at(place)
             return place
         self._quiet += self._period
         if self._quiet >= self._leading.rest_time:
             self.led, self._elapsed = False, 0.0
         return self._line.begin
+
+    def _begin_at(self, place: Array) -> None:
+        self._line = Line.towards(place, self._points[self._index])
 
 
 def _length(vector: Array) -> float:

@@ -10,9 +10,9 @@ import numpy as np
 from follower_humanoid.bag.cdr import Cursor, Walk
 from follower_humanoid.core import samples
 from follower_humanoid.core.samples import Array, Footstep, Footsteps, Polygon, PrimitiveStates, Side
+from follower_humanoid.core.topics import CLOSING_STEP
 
 Words = tuple[tuple[str, ...], ...]
-CLOSING_STEP = "closing step"
 
 
 def _joint_state(cursor: Cursor) -> Words:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -203,7 +204,7 @@ def bag_files(bag: Path) -> list[Path]:
     Raises:
         ConfigurationError: Nothing there that could be read.
     """
-    if not bag.exists():
+    if not os.path.exists(bag):  # unlike Path's, False for a name that no file can have
         raise ConfigurationError(f"bag {bag} does not exist")
     if bag.is_file():
         return [bag]

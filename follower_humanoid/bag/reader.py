@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +18,7 @@ from follower_humanoid.bag.parameter_events import parameter_event
 from follower_humanoid.bag.recorder import ADJUSTED, HOLDING
 from follower_humanoid.bag.writer import ABOUT_METADATA, URDF_ATTACHMENT
 from follower_humanoid.core import samples
-from follower_humanoid.core.cdr import NANOSECONDS
+from follower_humanoid.core.cdr import LARGEST_STAMP, NANOSECONDS
 from follower_humanoid.core.samples import Array
 from follower_humanoid.core.topics import TOPICS, Topic
 from follower_humanoid.errors import ConfigurationError
@@ -66,8 +67,13 @@ def read_run(bag: Path, namespace: str | None = None) -> Run:
         if name not in collected:
             listed = ", ".join(found) or "nothing"
             raise ConfigurationError(f"bag {bag} holds no {name} of a follower; it holds {listed}")
+        if not collected[name].stamps:
+            raise ConfigurationError(f"bag {bag}: none of its {collected[name].broken} {name} can be decoded")
     notes = [note for file in files for note in file.notes]
-    return _run(files, collected, changes, notes)
+    try:
+        return _run(files, collected, changes, notes)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"bag {bag}: {error}") from None
 
 
 def _only_prefix(file: McapFile, bag: Path) -> str | None:
@@ -226,14 +232,23 @@ def _changes(
 
 def _tick(about: dict[str, str], stamps: Integers) -> int:
     """Control tick [ns]: as recorded, else the commonest distance of two joint states."""
-    try:
-        return round(float(about["tick"]) * NANOSECONDS)
-    except (KeyError, ValueError):
-        pass
+    if "tick" in about:
+        return _recorded_tick(about["tick"])
     distances = Counter(np.diff(np.unique(stamps)).tolist())
     if not distances:
-        raise ConfigurationError("the bag holds a single joint state: too little to tell the control tick")
+        raise ConfigurationError("it holds a single joint state: too little to tell the control tick")
     return int(distances.most_common(1)[0][0])
+
+
+def _recorded_tick(text: str) -> int:
+    """A control tick [ns] as it is recorded, in [s]."""
+    try:
+        tick = float(text) * NANOSECONDS
+    except ValueError:
+        tick = math.nan
+    if not 0.5 < tick <= LARGEST_STAMP:  # so that it rounds to 1 ns at least
+        raise ConfigurationError(f"control tick {text[:40]!r}: needs seconds, 1e-9 to 2e9")
+    return round(tick)
 
 
 def _series(entry: _Collected, tick_ns: int, state_received: Integers, state_stamps: Integers) -> Series:

@@ -11,13 +11,13 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from follower_humanoid.bag.qos import offered_qos
-from follower_humanoid.bag.thinning import FROM_PEOPLE, Thinning, is_thinned
+from follower_humanoid.bag.thinning import Thinning, is_thinned
 from follower_humanoid.bag.transforms import TRANSFORMED, Made, TransformMaker
 from follower_humanoid.bag.writer import BagWriter
 from follower_humanoid.core import samples
 from follower_humanoid.core.cdr import HEADER, NANOSECONDS, stamp_of
 from follower_humanoid.core.config import parameter
-from follower_humanoid.core.topics import TOPICS
+from follower_humanoid.core.topics import PEOPLE, TOPICS
 
 STATE = "joint_states"
 ADJUSTED = "graph/adjusted"
@@ -77,7 +77,7 @@ def recorded_topics() -> tuple[Recorded, ...]:
     for topic in TOPICS.values():
         # An array of markers begins with its length; the stamp is that of the first marker.
         offset = len(HEADER) + (4 if topic.kind is samples.Footsteps else 0)
-        reliable = topic.name not in FROM_PEOPLE
+        reliable = topic.name not in PEOPLE
         listed.append(Recorded(topic.name, _TYPE_NAMES[topic.kind], is_thinned(topic.name), reliable, offset))
     listed.append(Recorded(ADJUSTED, "rcl_interfaces/msg/ParameterEvent", False, True))
     listed.append(Recorded(HOLDING, "std_msgs/msg/Header", False, True))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from follower_humanoid.core.topics import PEOPLE
+
 EVERY_MESSAGE = frozenset(
     {
         "joint_states",
@@ -26,9 +28,8 @@ EVERY_MESSAGE = frozenset(
     }
 )
 """Topics of which every message is kept."""
-# Stamps of any clock: these cannot be thinned out by them. Footsteps are sent when they change.
-FROM_PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
-_AS_THEY_COME = FROM_PEOPLE | {"footsteps"}
+# Stamps of any clock: people's cannot be thinned out by them. Footsteps are sent when they change.
+_AS_THEY_COME = PEOPLE | {"footsteps"}
 
 
 def is_thinned(topic: str) -> bool:

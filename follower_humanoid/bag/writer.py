@@ -7,6 +7,7 @@ a file that can be read up to its last second.
 from __future__ import annotations
 
 import contextlib
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -69,14 +70,11 @@ class BagWriter:
             raise ConfigurationError(f"bag {folder} cannot be made: {error.strerror}") from None
         self.folder = folder
         self.file = folder / f"{folder.name}_0.mcap"
-        self._stream = self.file.open("xb")
-        self._writer = McapWriter(self._stream, "ros2", LIBRARY)
-        if about.urdf:
-            self._writer.attach(URDF_ATTACHMENT, "application/xml", about.urdf.encode("utf-8"), created)
-        for name, text in about.texts.items():
-            self._writer.attach(name, "text/plain", text.encode("utf-8"), created)
-        self._writer.add_metadata(ABOUT_METADATA, dict(about.values))
-        self._writer.flush()
+        try:
+            self._begin(about, created)
+        except OSError as error:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise ConfigurationError(f"bag {folder} cannot be made: {error.strerror}") from None
         self._channels: dict[int, _Channel] = {}
         self._schemas: dict[str, int] = {}
         self._flushed = created
@@ -85,8 +83,10 @@ class BagWriter:
     def __enter__(self) -> BagWriter:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        # An error on its way is the one to tell: closing is likely to fail for the same reason.
+        with contextlib.suppress(OSError) if kind else contextlib.nullcontext():
+            self.close()
 
     @property
     def message_count(self) -> int:
@@ -121,22 +121,50 @@ class BagWriter:
             received, published: Times since the epoch [ns].
 
         Raises:
-            OSError: The disk is full or gone.
+            OSError: The disk is full or gone; it names the folder.
         """
-        self._writer.add_message(channel, received, published, data)
-        if received - self._flushed > _FLUSH_NS:
-            self._flushed = received
-            self._writer.flush()
+        try:
+            self._writer.add_message(channel, received, published, data)
+            if received - self._flushed > _FLUSH_NS:
+                self._flushed = received
+                self._writer.flush()
+        except OSError as error:
+            raise self._placed(error) from None
 
     def close(self) -> None:
         """Writes summary, statistics and metadata.yaml; harmless when called again.
 
         Raises:
-            OSError: The disk is full; what was flushed before stays readable.
+            OSError: The disk is full, it names the folder; what was flushed before stays readable.
         """
         if not self._open:
             return
         self._open = False
+        try:
+            self._finish()
+        except OSError as error:
+            raise self._placed(error) from None
+
+    def _begin(self, about: About, created: int) -> None:
+        self._stream = self.file.open("xb")
+        try:
+            self._writer = McapWriter(self._stream, "ros2", LIBRARY)
+            if about.urdf:
+                self._writer.attach(URDF_ATTACHMENT, "application/xml", about.urdf.encode("utf-8"), created)
+            for name, text in about.texts.items():
+                self._writer.attach(name, "text/plain", text.encode("utf-8"), created)
+            self._writer.add_metadata(ABOUT_METADATA, dict(about.values))
+            self._writer.flush()
+        except OSError:
+            with contextlib.suppress(OSError):
+                self._stream.close()
+            raise
+
+    def _placed(self, error: OSError) -> OSError:
+        """The same, with the bag that it is about: a failed `write` does not name it."""
+        return OSError(error.errno, error.strerror, str(self.folder))
+
+    def _finish(self) -> None:
         try:
             self._writer.flush()
             information = self._information()

@@ -24,11 +24,11 @@ class AttitudeConfig:
 
 @kernel(
     "Tuple((float64[::1], float64))(UniTuple(float64, 3), float64[::1], float64[::1], float64[::1],"
-    " float64, float64, float64, float64, float64, float64)"
+    " float64, UniTuple(float64, 5))"
 )
 def attitude_feedback(
     error: tuple[float, float, float], spin: Array, wanted_spin: Array, momentum_rate: Array,
-    weight: float, stiffness: float, damping: float, inertia: float, zmp_limit: float, yaw_limit: float,
+    weight: float, gains: tuple[float, float, float, float, float],
 ) -> tuple[Array, float]:  # fmt: skip
     """The shift of the ZMP that turns the pelvis upright and the yaw moment that keeps its heading.
 
@@ -41,11 +41,12 @@ def attitude_feedback(
             world, shape (3,) each [rad/s].
         momentum_rate: L̇ of the reference motion about its CoM, shape (3,) [N·m].
         weight: m g [N].
-        stiffness, damping, inertia, zmp_limit, yaw_limit: See `AttitudeConfig`.
+        gains: Values of `AttitudeConfig`, in its order.
 
     Returns:
         The shift, shape (2,) [m], and the moment [N·m], within their limits.
     """
+    stiffness, damping, inertia, zmp_limit, yaw_limit = gains
     rate_x, rate_y, rate_z = spin[0] - wanted_spin[0], spin[1] - wanted_spin[1], spin[2] - wanted_spin[2]
     lever, shift = inertia / weight, np.empty(2)
     shift[0] = -lever * (stiffness * error[1] - damping * rate_y)

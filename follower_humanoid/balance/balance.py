@@ -13,7 +13,7 @@ from follower_humanoid.balance.hand_forces import HandEffect, hand_effect
 from follower_humanoid.balance.paper_law import PaperBalance
 from follower_humanoid.balance.shifted_reference import SOLES
 from follower_humanoid.balance.support_polygon import ground_hull
-from follower_humanoid.balance.zmp import SolePlace, measured_zmp
+from follower_humanoid.balance.zmp import measured_zmp
 from follower_humanoid.balance.zmp_watch import ZmpWatch
 from follower_humanoid.core.samples import (
     SIDES,
@@ -73,9 +73,7 @@ class ZmpBalance:
         # Views that follow the body.
         frames = self._body.frames
         left_sole, right_sole = (frames[robot.frame_id(name)] for name in SOLES)
-        self._soles = (
-            SolePlace(left_sole[3], left_sole[:3].T), SolePlace(right_sole[3], right_sole[:3].T)
-        )  # fmt: skip
+        self._soles = left_sole, right_sole
         self._grippers = [frames[robot.frame_id(f"{side.prefix}_gripper"), 3] for side in SIDES]
         left, right = ([robot.frame_id(f"{side.prefix}_contact_{i}") for i in range(1, 7)] for side in SIDES)
         # Of which feet carry: left, right.

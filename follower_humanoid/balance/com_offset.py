@@ -58,7 +58,7 @@ def _follow(
     com: Array, gamma: Array, kappa: float, limit: float, bandwidth: float, dt: float,
     offset: Array, rate: Array,
 ) -> None:  # fmt: skip
-    """Moves the offset a tick on towards δ = κ c − γ − c within ±limit; writes its rate, shape (2,) each."""
+    """Moves the offset [m] a tick on towards δ = κ c − γ − c within ±limit; writes its rate [m/s]."""
     for axis in range(2):
         goal = kappa * com[axis] - gamma[axis] - com[axis]
         goal = min(max(goal, -limit), limit)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from follower_humanoid.balance.hand_forces import HandEffect
-from follower_humanoid.balance.zmp import SolePlace
 from follower_humanoid.core.samples import Array, ContactPlan, Joints, Point, Wrench
 from follower_humanoid.robot.body_state import BodyState
 
@@ -15,12 +14,12 @@ class Kinematics(NamedTuple):
 
     Attributes:
         body: Measured.
-        soles: Measured places of left and right sole, views of `body`.
+        soles: Of left and right, measured: axes and origin in world, shape (4, 3), views of `body`.
         wanted: Of the reference motion.
     """
 
     body: BodyState
-    soles: tuple[SolePlace, SolePlace]
+    soles: tuple[Array, Array]
     wanted: BodyState
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple
+
 import numpy as np
 
 from follower_humanoid.balance.attitude import attitude_feedback
@@ -25,41 +27,30 @@ class DcmBalance:
         self._config = config
         self._mass = robot.mass
         self._period = period
-        self._body, (left, right), self._wanted = where
+        self._body, (self._left_sole, self._right_sole), self._wanted = where
         self._upright = self._wanted.base[:3].T
         self._spin, self._wanted_spin = self._body.base_twist[1], self._wanted.base_twist[1]
+        self._gains, self._usable_sole = astuple(config.dcm), astuple(config.soles)
+        self._attitude_gains = astuple(config.attitude)
         self._offset = ComOffset(config.offset, robot, self._wanted)
         self._swing = MomentumRate(config.momentum)
-        # What stays the same from tick to tick, in the order of `attitude_feedback` and `corrected`.
-        self._centers = (
-            self._body.com, self._body.com_velocity, self._wanted.com, self._wanted.com_velocity
-        )  # fmt: skip
-        self._soles = (left.position, left.rotation, right.position, right.rotation)
-        dcm, soles, attitude = config.dcm, config.soles, config.attitude
-        self._gains = (
-            robot.mass, dcm.proportional, dcm.height_stiffness, dcm.height_damping,
-            soles.center, soles.back, soles.front, soles.side, soles.friction,
-        )  # fmt: skip
-        self._attitude_gains = (
-            attitude.stiffness, attitude.damping, attitude.inertia, attitude.zmp_limit, attitude.yaw_limit
-        )  # fmt: skip
 
     def correct(self, now: Situation) -> Correction:
         """One tick."""
-        config, mass, hands, plan = self._config, self._mass, now.hands, now.contacts
-        omega = natural_frequency(float(self._wanted.com[2]))
-        momentum_rate = self._swing.step(self._wanted.angular_momentum.copy(), self._period)
+        config, mass, body, wanted = self._config, self._mass, self._body, self._wanted
+        omega = natural_frequency(float(wanted.com[2]))
+        momentum_rate = self._swing.step(wanted.angular_momentum.copy(), self._period)
         error, spin = NO_TURN, self._wanted_spin
         if config.feedback:
-            error, spin = turn_to(self._upright, self._body.base), self._spin
+            error, spin = turn_to(self._upright, body.base), self._spin
         shift, yaw_moment = attitude_feedback(
-            error, spin, self._wanted_spin, momentum_rate, mass * GRAVITY, *self._attitude_gains
+            error, spin, self._wanted_spin, momentum_rate, mass * GRAVITY, self._attitude_gains
         )
         dcm, zmp, left_force, left_torque, right_force, right_torque = corrected(
-            config.feedback, *self._centers,
-            now.dcm.xyz, now.zmp.xyz, hands.gamma, hands.force, hands.kappa,
-            momentum_shift(momentum_rate, mass), shift, yaw_moment,
-            *self._soles, plan.left, plan.right, omega, mass * omega**2, *self._gains,
+            config.feedback, mass, body.com, body.com_velocity, omega, wanted.com, wanted.com_velocity,
+            mass * omega**2, now.dcm.xyz, now.zmp.xyz, *now.hands,
+            momentum_shift(momentum_rate, mass), shift, yaw_moment, self._left_sole, self._right_sole,
+            (now.contacts.left, now.contacts.right), self._gains, self._usable_sole,
         )  # fmt: skip
         left, right = Wrench(left_force, left_torque), Wrench(right_force, right_torque)
         return Correction(Point(zmp), self._against_hands(now), Point(dcm), left, right)

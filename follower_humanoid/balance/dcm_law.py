@@ -12,9 +12,12 @@ from follower_humanoid.core.kernel import kernel, kernel_part
 from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import GRAVITY
 
-OUT_OF_REACH = 0.002  # a ZMP this near is reached [m]
+REACHED = 0.002  # a ZMP this near is reached [m]
 SAME = 1e-6  # points this near each other are the same [m]
-TRIED_SHARES = 17
+TRIED_SHARES = 17  # over what the plan allows
+
+Gains = tuple[float, float, float]  # values of `DcmConfig`, in its order
+UsableSole = tuple[float, float, float, float, float]  # values of `SoleConfig`, in its order
 
 
 @dataclass(frozen=True)
@@ -38,12 +41,12 @@ class SoleConfig:
 
 
 @kernel_part
-def measured_dcm(com: Array, velocity: Array, gamma: Array, kappa: float, omega: float) -> Array:
+def measured_dcm(com: Array, velocity: Array, kappa: float, gamma: Array, omega: float) -> Array:
     """ξ = (c + ċ/ω + γ)/κ: the DCM with what the hands do taken in, shape (2,) [m].
 
     Args:
-        com, velocity: Measured CoM in world, shape (3,) each.
-        gamma, kappa: Of the hands, see `HandEffect`.
+        com, velocity: Measured CoM in world, shape (3,) each [m], [m/s].
+        kappa, gamma: Of the hands, see `HandEffect`.
         omega: Natural frequency [1/s].
     """
     dcm = np.empty(2)
@@ -70,24 +73,24 @@ def desired_zmp(dcm: Array, dcm_plan: Array, zmp_plan: Array, omega: float, gain
 
 @kernel_part
 def desired_force(
-    com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array, zmp: Array, turning: Array,
-    gamma: Array, hands: Array, kappa: float, stiffness: float, mass: float,
-    height_stiffness: float, height_damping: float,
+    mass: float, com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array, stiffness: float,
+    zmp: Array, kappa: float, gamma: Array, hands: Array, turning: Array, gains: Gains,
 ) -> Array:  # fmt: skip
     """What the ground must do to the feet in total, in world, shape (3,) [N].
 
     F_xy = m ω²(c + γ − κ p − λ̇) − Σ f_hand,xy and F_z = m(g + k_p e_z + k_d ė_z) − Σ f_hand,z.
 
     Args:
-        com, velocity: CoM in world, shape (3,) each.
+        mass: m of the robot [kg].
+        com, velocity: CoM in world, shape (3,) each [m], [m/s].
         wanted_com, wanted_velocity: Of the reference, likewise; only its height is followed here.
-        zmp: p, desired before the attitude shift, in world, shape (2,) [m].
-        turning: λ̇, what the swing leg's angular momentum does, shape (2,) [m].
-        gamma, hands, kappa: Effect of the hands and the sum of their forces, see `HandEffect`.
         stiffness: m ω² [N/m].
-        mass: Of the robot [kg].
-        height_stiffness, height_damping: k_p [1/s²] and k_d [1/s].
+        zmp: p, desired before the attitude shift, in world, shape (2,) [m].
+        kappa, gamma, hands: Effect of the hands and the sum of their forces, see `HandEffect`.
+        turning: λ̇, what the swing leg's angular momentum does, shape (2,) [m].
+        gains: Of which k_p [1/s²] and k_d [1/s] are for the height.
     """
+    _, height_stiffness, height_damping = gains
     force = np.empty(3)
     for axis in range(2):
         lever = com[axis] + gamma[axis] - kappa * zmp[axis] - turning[axis]
@@ -99,30 +102,27 @@ def desired_force(
 
 
 @kernel_part
-def ahead_of(rotation: Array) -> tuple[float, float]:
-    """Direction of a sole over the ground, of length 1."""
-    length = max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
-    return rotation[0, 0] / length, rotation[1, 0] / length
+def ahead_of(sole: Array) -> tuple[float, float]:
+    """Direction of a sole, shape (4, 3), over the ground, of length 1."""
+    length = max(math.hypot(sole[0, 0], sole[0, 1]), 1e-9)
+    return sole[0, 0] / length, sole[0, 1] / length
 
 
 @kernel_part
 def nearest_in_sole(
-    x: float, y: float, position: Array, c: float, s: float, back: float, front: float, side: float
+    x: float, y: float, sole: Array, c: float, s: float, usable: UsableSole
 ) -> tuple[float, float]:
     """The point of the usable sole, of direction c, s, that is nearest to x, y [m]; else as in `shared`."""
-    away_x, away_y = x - position[0], y - position[1]
+    back, front, side, _, _ = usable
+    away_x, away_y = x - sole[3, 0], y - sole[3, 1]
     forward = min(max(c * away_x + s * away_y, back), front)
     left = min(max(c * away_y - s * away_x, -side), side)
-    return position[0] + forward * c - left * s, position[1] + forward * s + left * c
+    return sole[3, 0] + forward * c - left * s, sole[3, 1] + forward * s + left * c
 
 
-@kernel(
-    "float64(float64[::1], float64[::1], float64[:,:], float64[::1], float64[:,:],"
-    " float64, float64, float64, float64, float64, float64, float64[:,::1])"
-)
+@kernel_part
 def shared(
-    zmp: Array, left_position: Array, left_rotation: Array, right_position: Array, right_rotation: Array,
-    left_most: float, right_most: float, center: float, back: float, front: float, side: float,
+    zmp: Array, left_sole: Array, right_sole: Array, most: tuple[float, float], usable: UsableSole,
     points: Array,
 ) -> float:  # fmt: skip
     """The left foot's share; writes the points of left and right foot and the ZMP they make.
@@ -131,16 +131,16 @@ def shared(
 
     Args:
         zmp: Desired ZMP in world, shape (2,) [m].
-        left_position, left_rotation, right_position, right_rotation: Soles in world.
-        left_most, right_most: Most that either foot may carry by plan, 0…1.
-        center: Middle of the sole ahead of the ankle [m].
-        back, front, side: Usable sole [m].
+        left_sole, right_sole: Axes and origin in world, shape (4, 3), as in `robot.pose_table`.
+        most: Most that left and right foot may carry by plan, 0…1.
+        usable: The part of either sole that is.
         points: Written, in world, shape (3, 2) [m].
     """
-    l_c, l_s = ahead_of(left_rotation)
-    left_x, left_y = left_position[0] + center * l_c, left_position[1] + center * l_s
-    r_c, r_s = ahead_of(right_rotation)
-    right_x, right_y = right_position[0] + center * r_c, right_position[1] + center * r_s
+    (left_most, right_most), (_, _, _, center, _) = most, usable
+    l_c, l_s = ahead_of(left_sole)
+    left_x, left_y = left_sole[3, 0] + center * l_c, left_sole[3, 1] + center * l_s
+    r_c, r_s = ahead_of(right_sole)
+    right_x, right_y = right_sole[3, 0] + center * r_c, right_sole[3, 1] + center * r_s
     line_x, line_y = left_x - right_x, left_y - right_y
     length2 = line_x**2 + line_y**2
     left = 0.5
@@ -155,12 +155,8 @@ def shared(
         share = first if i < 0 else low + (high - low) * i / (TRIED_SHARES - 1)
         rest_x = zmp[0] - (share * left_x + (1.0 - share) * right_x)
         rest_y = zmp[1] - (share * left_y + (1.0 - share) * right_y)
-        l_x, l_y = nearest_in_sole(
-            left_x + rest_x, left_y + rest_y, left_position, l_c, l_s, back, front, side
-        )
-        r_x, r_y = nearest_in_sole(
-            right_x + rest_x, right_y + rest_y, right_position, r_c, r_s, back, front, side
-        )
+        l_x, l_y = nearest_in_sole(left_x + rest_x, left_y + rest_y, left_sole, l_c, l_s, usable)
+        r_x, r_y = nearest_in_sole(right_x + rest_x, right_y + rest_y, right_sole, r_c, r_s, usable)
         made_x, made_y = share * l_x + (1.0 - share) * r_x, share * l_y + (1.0 - share) * r_y
         away = math.hypot(made_x - zmp[0], made_y - zmp[1])
         as_near = abs(away - nearest) <= SAME and abs(share - first) < abs(best - first)
@@ -168,16 +164,15 @@ def shared(
             best, nearest = share, away
             points[0, 0], points[0, 1], points[1, 0], points[1, 1] = l_x, l_y, r_x, r_y
             points[2, 0], points[2, 1] = made_x, made_y
-        if nearest < OUT_OF_REACH or high <= low:
+        if nearest < REACHED or high <= low:
             break
     return best
 
 
 @kernel_part
 def wrench_in_sole(
-    share: float, point: Array, force: Array, yaw_moment: float,
-    position: Array, rotation: Array, friction: float, wrench: Array,
-) -> None:  # fmt: skip
+    share: float, point: Array, force: Array, yaw_moment: float, sole: Array, friction: float, wrench: Array
+) -> None:
     """Writes a foot's part of the total force, at and in its sole frame.
 
     Args:
@@ -185,7 +180,7 @@ def wrench_in_sole(
         point: Where it acts on the ground in world, shape (2,) [m].
         force: Total force in world, shape (3,) [N].
         yaw_moment: Total moment about the vertical through the foot's point [N·m].
-        position, rotation: The sole in world, shape (3,) [m] and (3, 3).
+        sole: Its axes and origin in world, shape (4, 3).
         friction: Limit of tangential over normal force.
         wrench: Written, force and moment, shape (2, 3) [N], [N·m].
     """
@@ -193,63 +188,56 @@ def wrench_in_sole(
     tangential, limit = math.hypot(f_x, f_y), friction * max(f_z, 0.0)
     if tangential > limit:
         f_x, f_y = f_x * (limit / tangential), f_y * (limit / tangential)
-    x, y, z = point[0] - position[0], point[1] - position[1], -position[2]
+    x, y, z = point[0] - sole[3, 0], point[1] - sole[3, 1], -sole[3, 2]
     m_x, m_y, m_z = y * f_z - z * f_y, z * f_x - x * f_z, x * f_y - y * f_x + share * yaw_moment
     for i in range(3):
-        wrench[0, i] = rotation[0, i] * f_x + rotation[1, i] * f_y + rotation[2, i] * f_z
-        wrench[1, i] = rotation[0, i] * m_x + rotation[1, i] * m_y + rotation[2, i] * m_z
+        wrench[0, i] = sole[i, 0] * f_x + sole[i, 1] * f_y + sole[i, 2] * f_z
+        wrench[1, i] = sole[i, 0] * m_x + sole[i, 1] * m_y + sole[i, 2] * m_z
 
 
 @kernel(
-    "float64[:,::1](boolean, float64[::1], float64[::1], float64[::1], float64[::1],"
-    " float64[::1], float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1], float64,"
-    " float64[::1], float64[:,:], float64[::1], float64[:,:], float64, float64, float64,"
-    " float64, float64, float64, float64, float64, float64, float64, float64, float64, float64)"
+    "float64[:,::1](boolean, float64, float64[::1], float64[::1], float64, float64[::1], float64[::1],"
+    " float64, float64[::1], float64[::1], float64, float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64, float64[:,::1], float64[:,::1],"
+    " UniTuple(float64, 2), UniTuple(float64, 3), UniTuple(float64, 5))"
 )
 def corrected(
-    feedback: bool, com: Array, velocity: Array, wanted_com: Array, wanted_velocity: Array,
-    dcm_plan: Array, zmp_plan: Array, gamma: Array, hands: Array, kappa: float,
+    feedback: bool, mass: float, com: Array, velocity: Array,
+    omega: float, wanted_com: Array, wanted_velocity: Array,
+    stiffness: float, dcm_plan: Array, zmp_plan: Array,
+    kappa: float, gamma: Array, hands: Array,
     turning: Array, shift: Array, yaw_moment: float,
-    left_position: Array, left_rotation: Array, right_position: Array, right_rotation: Array,
-    left_most: float, right_most: float, omega: float, stiffness: float,
-    mass: float, gain: float, height_stiffness: float, height_damping: float,
-    center: float, back: float, front: float, side: float, friction: float,
+    left_sole: Array, right_sole: Array, most: tuple[float, float], gains: Gains, usable: UsableSole,
 ) -> Array:  # fmt: skip
     """The whole law, one step after the other.
+
+    No number stands next to another, where a swap would go unseen.
 
     Args:
         feedback: False leaves DCM and CoM height to themselves: the force is that of the plan.
         shift: Of the ZMP, for the attitude, shape (2,) [m].
-        left_most, right_most: Most that either foot may carry by plan, 0…1.
         The others: As in the functions above.
 
     Returns:
         Rows of shape (3,): measured DCM and the ZMP that is made, on the ground in world [m]; force [N] and
         moment [N·m] on the left foot, then on the right, at and in its sole frame.
     """
-    dcm, wanted = measured_dcm(com, velocity, gamma, kappa, omega), zmp_plan[:2]
+    (gain, _, _), (_, _, _, _, friction) = gains, usable
+    dcm, wanted = measured_dcm(com, velocity, kappa, gamma, omega), zmp_plan[:2]
     if feedback:
         wanted = desired_zmp(dcm, dcm_plan, zmp_plan, omega, gain)
     else:
         com, velocity = wanted_com, wanted_velocity
     points = np.empty((3, 2))
-    shared(
-        wanted, left_position, left_rotation, right_position, right_rotation,
-        left_most, right_most, center, back, front, side, points,
-    )  # fmt: skip
+    shared(wanted, left_sole, right_sole, most, usable, points)
     force = desired_force(
-        com, velocity, wanted_com, wanted_velocity, points[2], turning, gamma, hands, kappa,
-        stiffness, mass, height_stiffness, height_damping,
+        mass, com, velocity, wanted_com, wanted_velocity, stiffness,
+        points[2], kappa, gamma, hands, turning, gains,
     )  # fmt: skip
     # Of the wanted ZMP, not of what soles leave of it: at their edge the DCM goes before the attitude.
-    left = shared(
-        wanted + shift, left_position, left_rotation, right_position, right_rotation,
-        left_most, right_most, center, back, front, side, points,
-    )  # fmt: skip
+    left = shared(wanted + shift, left_sole, right_sole, most, usable, points)
     result = np.zeros((6, 3))
     result[0, :2], result[1, :2] = dcm, points[2]
-    wrench_in_sole(left, points[0], force, yaw_moment, left_position, left_rotation, friction, result[2:4])
-    wrench_in_sole(
-        1.0 - left, points[1], force, yaw_moment, right_position, right_rotation, friction, result[4:6]
-    )
+    wrench_in_sole(left, points[0], force, yaw_moment, left_sole, friction, result[2:4])
+    wrench_in_sole(1.0 - left, points[1], force, yaw_moment, right_sole, friction, result[4:6])
     return result

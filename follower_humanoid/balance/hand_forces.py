@@ -56,7 +56,8 @@ def _add_hand(force: Array, torque: Array, point: Array, weight: float, gamma: A
     """Adds what one hand does to γ and the total force; returns what it takes from κ.
 
     Args:
-        force, torque, point: Wrench on the robot and where it acts, in world, shape (3,) each.
+        force, torque: Wrench on the robot in world axes, shape (3,) each [N], [N·m].
+        point: Where it acts in world, shape (3,) [m].
         weight: m g [N].
         gamma: Added to, shape (2,) [m].
         total: Added to, shape (3,) [N].

@@ -1,7 +1,8 @@
 """The balance law of the paper: an adaptive PID on ZMP and PCM that changes reference velocities.
 
-Savić et al. 2016, section "Dynamic balance control": corrections from the distances between desired and
-actual ZMP and projection of the centre of mass (PCM); no desired foot wrenches, the joints are stiff.
+Savić et al. 2016, dynamic balance control module in section "The RAMP-based framework for cooperative
+transportation": corrections from the distances between desired and actual ZMP and projection of the centre
+of mass (PCM); no desired foot wrenches, the joints are stiff.
 The paper gives no gains. Ours follow from what makes the robot topple on stiff joints: the soles. One of
 rotational stiffness K pushes back by p = r(c − u) on a CoM at c that was sent to u, r = K/(m g h),
 about 2.5 sideways on one foot. With u̇ = k_C(c_ref − c) − k_Z ω(p_ref − p) that pendulum is stable for

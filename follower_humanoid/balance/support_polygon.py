@@ -11,7 +11,7 @@ from follower_humanoid.core.samples import Array
 from follower_humanoid.robot.model import Indices
 
 
-@kernel("float64(float64[:,::1], int64, int64, int64)")
+@kernel_part
 def turn(points: Array, a: int, b: int, c: int) -> float:
     """Positive where the way from point a by b to c turns left."""
     abx, aby = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]

@@ -45,13 +45,13 @@ class ZmpWatch:
         self._count += 1
 
     def diagnostics(self) -> dict[str, float | str]:
-        """Margin now and at its smallest, error along and across the heading, rms."""
-        if self._margin is None:
-            return {"zmp_margin [m]": "no ZMP"}
-        count = max(self._count, 1)
-        return {
-            "zmp_margin [m]": self._margin,
-            "smallest_zmp_margin [m]": self._smallest,
-            "zmp_error_along [m]": math.sqrt(self._square_along / count),
-            "zmp_error_across [m]": math.sqrt(self._square_across / count),
-        }
+        """Margin now and at its smallest, error along and across the heading, rms; what is known of it."""
+        values: dict[str, float | str] = {"zmp_margin [m]": "no ZMP"}
+        if self._margin is not None:
+            values["zmp_margin [m]"] = self._margin
+        if self._smallest < math.inf:
+            values["smallest_zmp_margin [m]"] = self._smallest
+        if self._count:
+            values["zmp_error_along [m]"] = math.sqrt(self._square_along / self._count)
+            values["zmp_error_across [m]"] = math.sqrt(self._square_across / self._count)
+        return values

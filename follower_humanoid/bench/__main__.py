@@ -14,15 +14,42 @@ from pathlib import Path
 from follower_humanoid.bench import graph
 from follower_humanoid.bench.check import NO_FALL, Check
 from follower_humanoid.bench.scenarios import SCENARIOS, Evidence, Scenario
-from follower_humanoid.errors import ConfigurationError, FollowerError, UnknownNameError
+from follower_humanoid.command_line import Parser
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError, FollowerError, UnknownNameError
 from follower_humanoid.graph.simulate import simulate
 
 Runs = dict[str, Callable[[], list[Check]]]
 
+# What is done instead of the scenarios → further options that it heeds.
+_INSTEAD = {
+    "faults": ("only", "brief", "json"),
+    "robust": ("only", "json"),
+    "speed": ("brief", "json"),
+    "limits": ("only",),
+    "tuning": (),
+    "growth": ("brief",),
+}
+
 
 def main(args: list[str] | None = None) -> int:
-    """Command line; 0 = every number holds, 1 = some do not, 2 = bad usage."""
-    parser = argparse.ArgumentParser(prog="benchmark", description=__doc__)
+    """Command line; 0 = every number holds, 1 = some do not, or a run ended badly, 2 = bad usage."""
+    try:
+        run = _chosen(_parser().parse_args(args))
+    except FollowerError as error:
+        return _complain(error, BAD_CONFIGURATION)
+    try:
+        return run()
+    except FollowerError as error:
+        return _complain(error, 1)
+
+
+def _complain(error: FollowerError, status: int) -> int:
+    print(error, file=sys.stderr)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(prog="benchmark", description=__doc__)
     parser.add_argument(
         "--only", action="append", default=[], metavar="NAME", help="run this scenario; repeatable"
     )
@@ -36,31 +63,50 @@ def main(args: list[str] | None = None) -> int:
     )
     parser.add_argument("--growth", action="store_true", help="more robots, longer runs: takes hours")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table as JSON")
-    options = parser.parse_args(args)
+    return parser
+
+
+def _chosen(options: argparse.Namespace) -> Callable[[], int]:
+    """Looks at the options; returns what does what they ask for, with the exit status.
+
+    Raises:
+        FollowerError: They cannot be used.
+    """
+    _refuse_unused(options)
+    _check_writable(options.json)
     if options.tuning is not None:
-        return _draw(options.tuning)
-    try:
-        if options.speed:
-            _check_writable(options.json)
-            return _speed(options.brief, options.json)
-        if options.growth:
-            return _growth(options.brief)
-        if options.limits:
-            return _limits(options.only)
-        known = _scenarios(options.brief)
-        if options.faults:
-            known = _faults(options.brief)
-        elif options.robust:
-            known = _disturbances()
-        chosen = _choose(options.only, known)
-        _check_writable(options.json)
-    except FollowerError as error:
-        print(f"benchmark: {error}", file=sys.stderr)
-        return 2
+        return functools.partial(_draw, options.tuning)
+    if options.speed:
+        return functools.partial(_speed, options.brief, options.json)
+    if options.growth:
+        return functools.partial(_growth, options.brief)
+    if options.limits:
+        return functools.partial(_limits, _known_limits(options.only))
+    known = _scenarios(options.brief)
+    if options.faults:
+        known = _faults(options.brief)
+    elif options.robust:
+        known = _disturbances()
+    return functools.partial(_table, _choose(options.only, known), options.json)
+
+
+def _refuse_unused(options: argparse.Namespace) -> None:
+    """An option that makes no difference is a misunderstanding."""
+    asked = [name for name in _INSTEAD if getattr(options, name)]
+    if len(asked) > 1:
+        raise ConfigurationError(f"--{asked[0]} and --{asked[1]}: one at a time")
+    for instead in asked:
+        for name in ("only", "brief", "json"):
+            if getattr(options, name) and name not in _INSTEAD[instead]:
+                raise ConfigurationError(f"--{name} has no use with --{instead}")
+
+
+def _table(chosen: Runs, path: Path | None) -> int:
+    """Runs what was chosen, one after the other."""
     table: dict[str, list[Check]] = {}
     for name, run in chosen.items():
         table[name] = run()
-        _write(options.json, table)
+        _write(path, table)
     missed = [f"{name}: {c.what}" for name, checks in table.items() for c in checks if not c.passed]
     total = sum(len(checks) for checks in table.values())
     print(
@@ -180,14 +226,21 @@ def _disturbances() -> Runs:
     return {name: functools.partial(tried, name) for name in rows}
 
 
-def _limits(names: list[str]) -> int:
-    """Prints the table of limits, or the named parts of it."""
+def _known_limits(names: list[str]) -> list[str]:
+    """Those that were named, else all parts of the table of limits."""
     from follower_humanoid.bench.limits import LIMITS
 
     for name in names:
         if name not in LIMITS:
             raise UnknownNameError("limit", name, LIMITS)
-    for name in names or LIMITS:
+    return names or list(LIMITS)
+
+
+def _limits(names: list[str]) -> int:
+    """Prints parts of the table of limits."""
+    from follower_humanoid.bench.limits import LIMITS
+
+    for name in names:
         for limit in LIMITS[name]():
             print(f"| {limit.what} | {limit} |", flush=True)
     return 0

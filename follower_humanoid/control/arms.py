@@ -57,7 +57,7 @@ from follower_humanoid.robot.model import RobotModel
 
 __all__ = ["ArmController", "ArmControllerConfig", "ArmControllerInputs", "ArmControllerOutputs"]
 
-# How a glide comes to its speed: as long as the switch before it takes to fade.
+# Time in which a glide comes to its speed [s]; by default longer than a switch fades (blend_time).
 _GLIDE_RISE = 0.5
 # What a hand feels whose wrench has not been measured yet: nothing to yield to.
 _NO_WRENCH = Wrench(np.zeros(3), np.zeros(3))
@@ -68,7 +68,8 @@ class ArmControllerInputs(NamedTuple):
 
     A wrench is None before the first is measured: that arm then feels no force and holds its place
     by stiffness alone. A target is where the gripper shall be relative to base_link, in pelvis-yaw
-    axes (position [m], linear velocity [m/s]); None: it keeps the last one, or its first place.
+    axes (position [m], linear velocity [m/s]); None: it comes to rest at the last one, or keeps its
+    first place.
     """
 
     joints: Joints
@@ -114,7 +115,6 @@ class ArmController:
         )
         self._compensation = compensation(self._impedance.inertia, config.compensation_damping)
         self._law = HandLaw(config, self._impedance, period)
-        self._return_force = np.array(config.return_force)
         self._lower = robot.lower[self._arms] + config.stop_margin
         self._upper = robot.upper[self._arms] - config.stop_margin
         self._reference_acceleration = ReferenceAcceleration(config.reference_filter_time, period)
@@ -142,7 +142,7 @@ class ArmController:
         if not reference.all_loaded:
             reference.take_load(
                 felt, (inputs.left_hand is not None, inputs.right_hand is not None),
-                self._return_force, self._impedance.stiffness,
+                self._law.return_force, self._impedance.stiffness,
             )  # fmt: skip
         self._choose_modes(felt)
         switch = self._switch

@@ -36,14 +36,18 @@ class HandDemand(NamedTuple):
 
 
 class HandLaw:
-    """The law of hands that keep a place."""
+    """The law of hands that keep a place.
+
+    Attributes:
+        return_force: Largest force of the springs on the way back, shape (3,) [N].
+    """
 
     def __init__(self, config: ArmControllerConfig, impedance: Impedance, period: float) -> None:
         """`config`: of which nothing that is used here changes at run time; `impedance`: H_m, D_m, K_m;
         `period`: control tick [s].
         """
         self._config, self._impedance, self._period = config, impedance, period
-        self._return_force = np.array(config.return_force)
+        self.return_force = np.array(config.return_force)
         self._demand = HandDemand(np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))
 
     def step(self, reference: HandReference, hands: HandMotion, felt: Array, stopped: Mask) -> HandDemand:
@@ -58,7 +62,7 @@ class HandLaw:
         config, wanted, demand = self._config, self._impedance, self._demand
         _hand_law(
             reference.place, reference.rate, reference.virtual, hands.place, hands.place_rate, hands.carried,
-            felt, stopped, wanted.inertia, wanted.damping, wanted.stiffness, self._return_force,
+            felt, stopped, wanted.inertia, wanted.damping, wanted.stiffness, self.return_force,
             config.return_proportional, config.return_differential, config.reach, config.reach_stiffness,
             self._period, *demand,
         )  # fmt: skip

@@ -4,6 +4,9 @@ A hand's *goal* is where it belongs: the place of the first tick, or the target 
 *anchor* is the point that is controlled to: goal + offset. The offset is zero until a hand has been
 led away; afterwards it is what lies between hand and goal, and glides to zero, so that no mode
 switch and no jump of a target pulls at the arm. The posture has an offset of its own.
+
+A goal has the velocity that its target says while that moves on. Where no target comes, or the same
+place again, the velocity fades: a hand rests at the last target, not ahead of it.
 """
 
 from __future__ import annotations
@@ -18,6 +21,8 @@ from follower_humanoid.core.samples import Array, Odometry
 
 # A target that moves further than its velocity says by more than this has jumped [m].
 _JUMP = 1e-3
+# A goal that stays where it is loses its velocity in this time [s].
+_FADE = 0.2
 # An offset decays with this rate where it is too small for the speed limit to matter [1/s].
 _LAST_RATE = 5.0
 
@@ -67,6 +72,8 @@ class HandReference:
         self.saturated: Mask = np.zeros(2, dtype=bool)
         self._loaded, self.all_loaded = [False, False], False
         self._goal, self._goal_rate = self.place, np.zeros((2, 3))
+        self._said_rate = np.zeros((2, 3))  # what the targets say
+        self._still = [_FADE, _FADE]  # how long each goal has stayed where it is, at most that long [s]
         self._first_posture = posture
         self._offset, self._posture_offset = np.zeros((2, 3)), np.zeros((2, 7))
         self._limits, self._period = limits, period
@@ -89,10 +96,17 @@ class HandReference:
         self.all_loaded = all(self._loaded)
 
     def receive(self, targets: tuple[Odometry | None, Odometry | None]) -> None:
-        """Takes the targets of this tick; None: the goal stays."""
+        """Takes the targets of this tick; None: none has come."""
         for hand, target in enumerate(targets):
             if target is None:
+                if self._still[hand] < _FADE:
+                    self._stay(hand)
                 continue
+            self._said_rate[hand] = target.linear_velocity
+            if np.array_equal(target.position, self._goal[hand]):
+                self._stay(hand)
+                continue
+            self._still[hand] = 0.0
             expected = self._goal[hand] + self._period * self._goal_rate[hand]
             goal, rate = self._goal.copy(), self._goal_rate.copy()
             goal[hand], rate[hand] = target.position, target.linear_velocity
@@ -138,6 +152,14 @@ class HandReference:
         """Lets the wanted posture move on with q̇_d, shape (2, 7) [rad/s]."""
         self._first_posture = self._first_posture + self._period * velocity
         self.posture = self._first_posture + self._posture_offset
+
+    def _stay(self, hand: int) -> None:
+        """The goal stays where it is for one more tick."""
+        self._still[hand] = min(self._still[hand] + self._period, _FADE)
+        rate = self._goal_rate.copy()
+        rate[hand] = (1.0 - self._still[hand] / _FADE) * self._said_rate[hand]
+        self._goal_rate = rate
+        self._move(hand, self._goal[hand] + self._offset[hand], rate[hand])
 
     def _move(self, hand: int, place: Array, rate: Array) -> None:
         """Moves an anchor and takes the springs' end along."""

@@ -139,6 +139,11 @@ def stop_avoidance(
     return braking
 
 
+@kernel(
+    "float64[:,::1](float64[:,::1], float64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,:,::1],"
+    " float64[:,::1], float64[:,::1], float64[:,::1], float64, float64, float64[:,::1], float64[:,::1],"
+    " float64[:,::1], float64[:,::1], float64, float64)"
+)
 def joint_acceleration(
     feedforward: Array, inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
     desired_velocity: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
@@ -151,29 +156,9 @@ def joint_acceleration(
         desired_velocity: q̇_d, shape (arms, n) [rad/s].
         others: As there.
     """
-    total = np.empty(position.shape)
-    _joint_acceleration(
-        feedforward, inertia, jacobian, inverse, null, force, desired_velocity, posture_error,
-        posture_stiffness, posture_damping, position, velocity, lower, upper, stop_stiffness, stop_damping,
-        total,
-    )  # fmt: skip
-    return total
-
-
-@kernel(
-    "void(float64[:,::1], float64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1],"
-    " float64[:,::1], float64[:,::1], float64, float64, float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64, float64, float64[:,::1])"
-)
-def _joint_acceleration(
-    feedforward: Array, inertia: Array, jacobian: Array, inverse: Array, null: Array, force: Array,
-    desired_velocity: Array, posture_error: Array, posture_stiffness: float, posture_damping: float,
-    position: Array, velocity: Array, lower: Array, upper: Array, stop_stiffness: float, stop_damping: float,
-    total: Array,
-) -> None:  # fmt: skip
-    """Writes the sum of `joint_acceleration`."""
-    total[:] = impedance_acceleration(inertia, jacobian, inverse, force)
+    total = impedance_acceleration(inertia, jacobian, inverse, force)
     velocity_error = desired_velocity - velocity
     total += posture_acceleration(null, velocity_error, posture_error, posture_stiffness, posture_damping)
     total += stop_avoidance(position, velocity, lower, upper, stop_stiffness, stop_damping)
     total += feedforward
+    return total

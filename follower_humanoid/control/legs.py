@@ -18,6 +18,8 @@ from follower_humanoid.core.samples import SIDES, Array, Joints, Odometry, Wrenc
 from follower_humanoid.robot.model import ACTUATED, Indices, RobotModel
 from follower_humanoid.robot.placed_frames import PlacedFrames
 
+# How long the first reference may take [s].
+FIRST_REFERENCE = 0.1
 # Of a hand whose wrench has not been measured yet.
 _NO_WRENCH = Wrench(np.zeros(3), np.zeros(3))
 
@@ -55,9 +57,9 @@ class LegInputs(NamedTuple):
 
 
 class LegOutputs(NamedTuple):
-    """Motor voltages of legs, trunk and neck."""
+    """Motor voltages of legs, trunk and neck; None leaves the joints to the motor drives, which hold them."""
 
-    command: Joints
+    command: Joints | None
 
 
 class Tracking(NamedTuple):
@@ -83,7 +85,8 @@ class LegController:
 
     Where balance asks for no foot wrenches, as the paper's law does, the joints are stiff instead: what
     the feet do follows from where they are sent.
-    Before a reference comes it holds the first measured posture, with the foot wrenches it measured.
+    Before the first reference it holds the first measured posture, for a moment. Without one later it
+    commands nothing: joints driven by a model of the robot need to know what the ground shall do to the feet.
     """
 
     Config = LegConfig
@@ -109,6 +112,8 @@ class LegController:
         self._tracking = Tracking(*np.zeros((len(Tracking._fields), len(self._legs))))
         self._load: Array = np.zeros(len(SIDES))
         self._hold: Joints | None = None
+        self._patience = FIRST_REFERENCE  # for a reference [s]
+        self._silent = False
         self._toe_preload: Array = np.zeros(len(SIDES))
         self._first_load: Array = np.ones(len(SIDES))
         self._saturated = np.zeros(len(self._legs), dtype=bool)
@@ -118,12 +123,19 @@ class LegController:
     def step(self, inputs: LegInputs, time: float) -> LegOutputs:
         """One tick: state and reference in, volts out."""
         del time
+        self._patience = 0.0 if inputs.reference is not None else self._patience - self._period
+        if self._patience < 0.0:
+            self._silent = True
+            return LegOutputs(None)
         joints, config, load, tracking = inputs.joints, self._config, self._load, self._tracking
         load[0], load[1] = inputs.left_foot.force[2], inputs.right_foot.force[2]
         if self._hold is None:
             self._hold = Joints(joints.position, np.zeros(ACTUATED), np.zeros(ACTUATED))
             self._toe_preload, self._first_load = joints.effort[self._legs][self._toes[:, 0]], load.copy()
         reference = inputs.reference or self._hold
+        if self._silent:  # nothing is known of its acceleration
+            tracking.last_speed[:] = reference.velocity[self._legs]
+            self._silent = False
         wanted, speed = np.empty(len(self._legs)), np.empty(len(self._legs))
         _track(
             reference.position, reference.velocity, joints.position, joints.velocity, self._legs,

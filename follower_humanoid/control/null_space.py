@@ -95,7 +95,8 @@ def task_inverse(jacobian: Array, threshold: float, damping: float) -> TaskInver
     Args:
         jacobian: J, shape (arms, m, n) with m ≤ n.
         threshold: ε, singular value below which damping sets in.
-        damping: λ, its amount at the singularity; gain is then at most 1/(2λ).
+        damping: λ, its amount at the singularity. The largest gain, of σ/(σ² + λ²(1 − σ²/ε²)), is
+            1/(2λ √(1 − λ²/ε²)) where λ ≤ ε/√2, and 1/ε beyond, where the gain only grows up to σ = ε.
 
     Reference: Savić et al. 2016, eq. (6); damping as in Nakamura and Hanafusa 1986.
     """

@@ -31,7 +31,8 @@ class SlidingMode:
     e is desired minus measured; σ weighs each joint. The estimate d̂ is what is left of model error and
     unmeasured force; it rests where the motor is at its voltage limit.
 
-    Reference: Savić et al. 2016, section "Joint motion control" and ref. [5] there.
+    Reference: Savić et al. 2016, joint motion control module in section "The RAMP-based framework for
+    cooperative transportation", and ref. [5] there.
 
     Attributes:
         estimate: d̂, shape (n,) [rad/s²].

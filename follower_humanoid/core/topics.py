@@ -82,6 +82,12 @@ _TABLE = (
 
 TOPICS: dict[str, Topic] = {topic.name: topic for topic in _TABLE}
 
+# What people do to the robot: they have clocks of their own.
+PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
+
+# Text of a footprint, in `footsteps`, that is no half-step.
+CLOSING_STEP = "closing step"
+
 # Who besides "any" may read: topics not listed here are open to every node of the package.
 READERS: dict[str, frozenset[str]] = {
     "left_hand/wrench_raw": frozenset({"wrench_sensing"}),

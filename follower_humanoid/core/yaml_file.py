@@ -72,11 +72,11 @@ def read_yaml(path: Path | str) -> Any:
         ConfigurationError: The file cannot be read or is not plain YAML; one line with file and line.
     """
     path = Path(path)
-    if not path.exists():
-        raise ConfigurationError(f"{path}: no such file")
-    if not path.is_file():
-        raise ConfigurationError(f"{path}: not a file")
     try:
+        if not path.exists():
+            raise ConfigurationError(f"{path}: no such file")
+        if not path.is_file():
+            raise ConfigurationError(f"{path}: not a file")
         if path.stat().st_size > _LARGEST_FILE:
             raise ConfigurationError(f"{path}: larger than {_LARGEST_FILE} bytes")
         text = path.read_text(encoding="utf-8")

@@ -17,6 +17,7 @@ from std_msgs.msg import Header, String, UInt8MultiArray
 
 from follower_humanoid.core.cdr import HEADER, STAMP_SIZE, put_stamp, stamp_of
 from follower_humanoid.core.samples import Wrench
+from follower_humanoid.core.topics import PEOPLE
 from follower_humanoid.faults.messages import TICK_NS, hostile_message, whole_messages
 from follower_humanoid.faults.mutations import damaged_bytes
 from follower_humanoid.graph.lockstep import CLOCK
@@ -25,7 +26,6 @@ from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.barrier import READY, RESET
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, envelope_topic
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.leaving import LEAVE
 from follower_humanoid.ros.outlet import ABSENT
 from follower_humanoid.ros.qos import LOCKSTEP

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from follower_humanoid.bench.check import Check
-from follower_humanoid.core.topics import TOPICS
+from follower_humanoid.core.topics import PEOPLE, TOPICS
 from follower_humanoid.faults.case import Effort, survived
 from follower_humanoid.faults.mutations import damaged_bytes
 from follower_humanoid.graph.graph_config import RunConfig
@@ -21,7 +21,6 @@ from follower_humanoid.graph.wiring import NODES
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.people import PeopleWrench
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.validation import MessageError

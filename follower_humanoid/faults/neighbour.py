@@ -30,12 +30,12 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.task import Future
 from rclpy.utilities import try_shutdown
 
+from follower_humanoid.core.topics import PEOPLE
 from follower_humanoid.faults.forgeries import FORGED, Forger, unusable_for_people
 from follower_humanoid.faults.hostile_services import Operator
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.barrier import READY
 from follower_humanoid.ros.director import reports_in
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.leaving import LEAVE
 from follower_humanoid.ros.qos import DIAGNOSTICS, LATCHED, LOCKSTEP
 from follower_humanoid.ros.spin import start_ros

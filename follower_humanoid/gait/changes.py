@@ -120,7 +120,7 @@ class GaitChanges:
         switched = (wanted.walk_speed > 0.0) != (used.walk_speed > 0.0)
         if half is None or not self._config.eased or walker.gives_up(wanted):
             return wanted
-        if switched and not half.single_support and half.progress < FRESH:
+        if switched and half.transfer_progress < FRESH:
             return wanted
         support = walker.support()
         # There is nothing between walking and standing.

@@ -34,6 +34,7 @@ from follower_humanoid.gait.sequence import load_sequence
 from follower_humanoid.gait.walker import Walker
 from follower_humanoid.robot.model import RobotModel
 
+TOLD_LENGTHS = 50  # half-steps whose lengths diagnostics tell
 SHOWN_STEPS = 8  # taken footsteps that stay in the message
 
 
@@ -76,7 +77,7 @@ class MotionComposition:
         self._sequence = load_sequence(config.sequence)
         self._data = robot.pin_model.createData()
         self._motion: ReferenceMotion | None = None
-        self._footsteps_sent: tuple[int, float | None] | None = None
+        self._footsteps_sent: object = None
         self._lengths: list[float] = []
         self._asked: Gait | None = None
         self._gait = STANDING
@@ -108,12 +109,12 @@ class MotionComposition:
             dcm_reference=Point.on_ground(pendulum.dcm),
             contacts=walker.contacts(),
             primitives=PrimitiveStates(names, completion),
-            footsteps=self._changed_footsteps(walker, coming),
+            footsteps=self._changed_footsteps(walker, coming, gait),
         )
 
     def diagnostics(self) -> dict[str, float | str]:
-        """Counted half-steps and their measured lengths."""
-        lengths = ", ".join(f"{length:.3f}" for length in self._lengths)
+        """Counted half-steps and the measured lengths of the last ones."""
+        lengths = ", ".join(f"{length:.3f}" for length in self._lengths[-TOLD_LENGTHS:])
         heading = self._motion.walker.heading() if self._motion is not None else 0.0
         return {
             "half_steps": len(self._lengths),
@@ -148,14 +149,24 @@ class MotionComposition:
         if walker.taken[-1][1]:
             self._lengths.append(half_step_length(foot, walker.feet[landed.other]))
 
-    def _changed_footsteps(self, walker: Walker, coming: tuple[FootPose, ...]) -> Footsteps | None:
-        """The steps, when one was taken or the next one moved by a millimetre."""
-        state = (len(walker.taken), round(coming[0].x + coming[0].y + coming[0].yaw, 3) if coming else None)
+    def _changed_footsteps(
+        self, walker: Walker, coming: tuple[FootPose, ...], gait: Gait
+    ) -> Footsteps | None:
+        """The steps, when one was taken, or the next one moved by a millimetre, or the last one is near."""
+        closing = walker.half_step is not None and walker.half_step.closing
+        stops, place = gait.walk_speed == 0.0, None
+        if coming:
+            place = round(coming[0].x, 3), round(coming[0].y, 3), round(coming[0].yaw, 3)
+        state = len(walker.taken), place, closing, stops
         if state == self._footsteps_sent:
             return None
         self._footsteps_sent = state
-        taken = [_footstep(foot, True, counted) for foot, counted in walker.taken[-SHOWN_STEPS:]]
-        return Footsteps((*taken, *(_footstep(foot, False, True) for foot in coming)))
+        taken = [_footstep(foot, True, walked) for foot, walked in walker.taken[-SHOWN_STEPS:]]
+        last = len(coming) - 1 if stops else None  # it brings the feet together
+        planned = [
+            _footstep(foot, False, not closing if n == 0 else n != last) for n, foot in enumerate(coming)
+        ]
+        return Footsteps((*taken, *planned))
 
 
 def _footstep(foot: FootPose, taken: bool, counted: bool) -> Footstep:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -81,7 +81,6 @@ class DifferentialIk:
     """
 
     def __init__(self, robot: RobotModel, config: IkConfig, q: Array) -> None:
-        self._robot = robot
         self._model = robot.pin_model
         self._data = data = self._model.createData()
         self._config = config
@@ -107,14 +106,6 @@ class DifferentialIk:
         supports = self._model.supports[self._model.frames[frame].parentJoint]
         spans = ((self._model.idx_vs[joint], self._model.nvs[joint]) for joint in supports if joint > 0)
         return np.concatenate([np.arange(first, first + size) for first, size in spans])
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> DifferentialIk:
-        """A copy of its own: copied views would no longer follow Pinocchio's memory."""
-        twin = DifferentialIk(self._robot, self._config, self.q)
-        twin.v = self.v.copy()
-        twin.update()
-        memo[id(self)] = twin
-        return twin
 
     def update(self) -> None:
         """Kinematics of the present reference configuration, all in one pass."""

@@ -64,16 +64,22 @@ class HalfStep:
         stance: FootPose,
         swing: SwingFoot,
         closing: bool,
-        shortest_transfer: float = 0.0,
+        first_transfer: float | None = None,
     ) -> None:
+        """Begins with the first phase.
+
+        Args:
+            sequence: What to run.
+            stance, swing: The feet.
+            closing: Whether it only brings the feet together.
+            first_transfer: Shortest time of double support [s] where it begins out of standing; else None.
+        """
         self._sequence = sequence
         self._phases = sequence.phases
-        swings = [phase.share if phase.single_support else 0.0 for phase in self._phases]
-        # Of the swing, the part before and during each phase.
-        whole = sum(swings)
-        self._swing_parts = [(sum(swings[:n]) / whole, part / whole) for n, part in enumerate(swings)]
-        self._shortest_transfer = shortest_transfer
-        self.first = shortest_transfer > 0.0
+        self._swing_parts = _parts([p.share if p.single_support else 0.0 for p in self._phases])
+        self._transfer_parts = _parts([0.0 if p.single_support else p.share for p in self._phases])
+        self._shortest_transfer = first_transfer or 0.0
+        self.first = first_transfer is not None
         self.stance = stance
         self.swing = swing
         self.closing = closing
@@ -112,6 +118,12 @@ class HalfStep:
     def swing_progress(self) -> float:
         """Progress over all phases of single support, 0…1; 0 before them."""
         past, present = self._swing_parts[self._index]
+        return past + self.progress * present
+
+    @property
+    def transfer_progress(self) -> float:
+        """Progress over all phases of double support, 0…1; 1 after them."""
+        past, present = self._transfer_parts[self._index]
         return past + self.progress * present
 
     def until_lift_off(self) -> float:
@@ -258,3 +270,9 @@ def zmp_legs(
                 part.append((target, (end - max(start, begin)) * time))
         begin = 0.0
     return transfer, swing
+
+
+def _parts(shares: list[float]) -> list[tuple[float, float]]:
+    """The part of a whole before and during each phase."""
+    whole = sum(shares)
+    return [(sum(shares[:n]) / whole, share / whole) for n, share in enumerate(shares)]

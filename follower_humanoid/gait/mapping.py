@@ -122,14 +122,16 @@ class GaitMapping:
         self._filter_x, self._filter_y = (LowPass[float](config.filter_time, period) for _ in "xy")
         self._walking = False
         self._held = 0.0  # how long the force has called for a change of state [s]
+        self._missed = 0.0  # how long the hands have not been measured [s]
         self._direction = config.initial_direction
         self._last_turn = 0.0
 
     def step(self, inputs: GaitMappingInputs, time: float) -> GaitMappingOutputs:
         """The walking parameters of this update."""
         if inputs.left_hand is None or inputs.right_hand is None:
+            self._miss()
             return GaitMappingOutputs(self._gait(walk_speed=0.0, step_length=1.0))
-        config = self._config
+        config, self._missed = self._config, 0.0
         x, y = _calling_force(inputs.left_hand, inputs.right_hand, inputs.arms)
         x, y = self._filter_x.step(x), self._filter_y.step(y)
         force = math.hypot(x, y)
@@ -140,6 +142,13 @@ class GaitMapping:
         if force > config.direction_force:
             self._turn_towards(math.atan2(y, x))
         return GaitMappingOutputs(self._gait(walk_speed=factor, step_length=factor))
+
+    def _miss(self) -> None:
+        """Hands that are not measured for as long as a stop takes: a force must call anew."""
+        self._missed += self._period
+        if self._missed >= self._config.stop_time - self._period / 2:
+            self._walking, self._held = False, 0.0
+            self._filter_x.value = self._filter_y.value = None
 
     def _start_or_stop(self, force: float) -> None:
         config = self._config

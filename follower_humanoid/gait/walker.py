@@ -225,13 +225,13 @@ class Walker:
         self._duration = self._planner.duration(pace)
 
     def _begin(
-        self, swing: Side, gait: Gait, toes: dict[Side, float], shortest_transfer: float = 0.0
+        self, swing: Side, gait: Gait, toes: dict[Side, float], first_transfer: float | None = None
     ) -> None:
         self.shift = np.zeros(2)
         stance = self.feet[swing.other]
         foot = SwingFoot(self.feet[swing], toes[swing])
         closing = gait.walk_speed == 0.0
-        self.half_step = HalfStep(self._sequence, stance, foot, closing, shortest_transfer)
+        self.half_step = HalfStep(self._sequence, stance, foot, closing, first_transfer)
         self.landing = self._planner.landing(stance, gait)
 
     def _land(self, gait: Gait, toes: dict[Side, float]) -> Side:
@@ -256,7 +256,7 @@ class Walker:
     def gives_up(self, gait: Gait) -> bool:
         """Asked to stop before the first foot has left the ground."""
         half = self.half_step
-        turns_back = half is not None and half.first and not half.single_support and half.progress < COMMITTED
+        turns_back = half is not None and half.first and half.transfer_progress < COMMITTED
         return turns_back and gait.walk_speed == 0.0
 
     def _together(self) -> bool:

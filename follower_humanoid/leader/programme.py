@@ -14,6 +14,7 @@ A programme is YAML in one of two forms. Forces in [N], axes of world; what is l
 from __future__ import annotations
 
 import math
+import os
 from bisect import bisect_right
 from dataclasses import dataclass
 from pathlib import Path
@@ -91,7 +92,7 @@ def load_programme(name_or_path: str) -> Programme:
         path = share_path(f"config/programmes/{name_or_path}.yaml")
     else:
         path = Path(name_or_path)
-        if not path.exists():
+        if not os.path.exists(path):  # unlike Path's, False for a name that no file can have
             raise ConfigurationError(
                 f"no force programme '{name_or_path}'; valid: {', '.join(BUILT_IN)}, or a YAML file"
             )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from functools import partial
 
+from follower_humanoid.command_line import Parser, split_ros_args
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 from follower_humanoid.graph.wiring import SIMULATOR, node_wiring
 from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.component_node import ComponentNode
@@ -25,12 +26,16 @@ def make(name: str, bus: Bus) -> ManagedNode:
 
 def main(args: list[str] | None = None) -> int:
     """Runs the nodes; returns the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    own, ros_args = split_ros_args(sys.argv[1:] if args is None else args)
+    parser = Parser(prog="composed", description="Several nodes in one process.", allow_abbrev=False)
     parser.add_argument("--nodes", required=True, help="names, comma-separated")
-    options, ros_args = parser.parse_known_args(args)
-    names = options.nodes.split(",")
+    try:
+        names = parser.parse_args(own).nodes.split(",")
+    except ConfigurationError as error:
+        print(error, file=sys.stderr)
+        return BAD_CONFIGURATION
     bus = Bus(names)
-    return run([partial(make, name, bus) for name in names], ros_args, bus)
+    return run([partial(make, name, bus) for name in names], ["--ros-args", *ros_args], bus)
 
 
 if __name__ == "__main__":

@@ -10,30 +10,47 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from follower_humanoid.errors import ConfigurationError
-from follower_humanoid.ros.bringup_options import split_ros_args
-from follower_humanoid.ros2_front.verbs import Parser
+from follower_humanoid.command_line import Parser, split_ros_args
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 
 if TYPE_CHECKING:
     from follower_humanoid.graph.resimulate import Keep
 
-BAD_USAGE = 2
+_FOR_PLAYING = ("rate", "loop", "topics", "start", "paused")
+_FOR_SIMULATING = {
+    "bag_out": "--bag needs --simulate: what is only played is in a bag already",
+    "namespace": "--namespace needs --simulate: what is played keeps its names",
+}
 
 
 def main(args: list[str] | None = None) -> int:
     """Plays or simulates; returns the exit status."""
     try:
         own, ros_args = split_ros_args(sys.argv[1:] if args is None else args)
-        return _run(_parser().parse_args(own), ros_args)
+        parser = _parser()
+        given = parser.parse_args(own)
+        given.simulate = given.simulate or given.verify
+        _refuse_unused(given, parser)
+        return _run(given, ros_args)
     except ConfigurationError as error:
         print(error, file=sys.stderr)
-        return BAD_USAGE
+        return BAD_CONFIGURATION
+
+
+def _refuse_unused(given: argparse.Namespace, parser: argparse.ArgumentParser) -> None:
+    """An option that makes no difference is a misunderstanding."""
+    if given.simulate:
+        for name in _FOR_PLAYING:
+            if getattr(given, name) != parser.get_default(name):
+                raise ConfigurationError(f"--{name} has no use with --simulate or --verify")
+        return
+    for name, complaint in _FOR_SIMULATING.items():
+        if getattr(given, name) is not None:
+            raise ConfigurationError(complaint)
 
 
 def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
-    if given.bag_out is not None and not (given.simulate or given.verify):
-        raise ConfigurationError("--bag needs --simulate: what is only played is in a bag already")
-    if given.simulate or given.verify:
+    if given.simulate:
         from follower_humanoid.replay.again import simulate_again
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -62,8 +79,9 @@ def _parser() -> argparse.ArgumentParser:
         prog="replay",
         description="Publishes a recorded run with its clock. The space bar pauses it, and so do the "
         "services ~/pause, ~/resume and ~/toggle_paused.",
-        epilog="Exit status: 0 played to its end or stopped, or identical, 2 bad usage or an unusable bag, "
-        "4 the simulation differs from the bag (the first tick, joint and difference are named).",
+        epilog="Exit status: 0 played to its end or stopped, or simulated to its end, with --verify "
+        "identical; 1 the simulation was stopped, its physics broke or its bag finds no room; 2 bad usage or "
+        "an unusable bag; 4 it differs from the bag (the first tick, joint and difference are named).",
         allow_abbrev=False,
     )
     add = parser.add_argument

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 from follower_humanoid.bag.reader import read_run
-from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.command_line import Parser
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 
 
 def main(args: list[str] | None = None) -> int:
     """Makes the report; returns the exit status."""
-    parser = argparse.ArgumentParser(prog="report", description="Draw what recorded runs show.")
+    parser = Parser(prog="report", description="Draw what recorded runs show.")
     parser.add_argument(
         "bags", metavar="BAG", nargs="+", type=Path, help="bag folder or .mcap file; several are compared"
     )
     parser.add_argument("--out", type=Path, help="folder for the pictures (default: beside the first bag)")
     parser.add_argument("--namespace", help="of the robot, where a bag holds several")
-    options = parser.parse_args(args)
-    bags: list[Path] = options.bags
     try:
+        options = parser.parse_args(args)
+        bags: list[Path] = options.bags
         # Drawing needs a second to import; what is wrong with a bag is told before.
         runs = [
             (label, read_run(bag, options.namespace)) for label, bag in zip(_labels(bags), bags, strict=True)
@@ -31,10 +31,10 @@ def main(args: list[str] | None = None) -> int:
         report = make_report(runs, options.out or _beside(bags[0]))
     except ConfigurationError as error:
         print(error, file=sys.stderr)
-        return 2
+        return BAD_CONFIGURATION
     except MemoryError:
         print(f"report: {', '.join(map(str, bags))}: too long for this machine's memory", file=sys.stderr)
-        return 2
+        return BAD_CONFIGURATION
     for note in report.notes:
         print(f"note: {note}", file=sys.stderr)
     if report.has_steps:

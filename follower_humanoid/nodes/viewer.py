@@ -6,12 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
+from follower_humanoid.command_line import Parser, split_ros_args
 from follower_humanoid.core.config import build
-from follower_humanoid.errors import ConfigurationError
-from follower_humanoid.ros.bringup_options import split_ros_args
-from follower_humanoid.ros2_front.verbs import Parser
-
-BAD_USAGE = 2
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 
 
 def main(args: list[str] | None = None) -> int:
@@ -21,10 +18,15 @@ def main(args: list[str] | None = None) -> int:
         given = _parser().parse_args(own)
         told = [(name, getattr(given, name)) for name in ("host", "port") if getattr(given, name) is not None]
         if given.bag is not None:
+            if ros_args:
+                raise ConfigurationError("--ros-args goes with the running robot; with --bag: --host, --port")
             from follower_humanoid.viewer.bag_page import show_bag
             from follower_humanoid.viewer.config import ViewerConfig
 
             return show_bag(given.bag, given.namespace, build(ViewerConfig, dict(told), "viewer"))
+        if given.namespace is not None:
+            namespace = given.namespace.strip("/")
+            raise ConfigurationError(f"--namespace needs --bag; valid: --ros-args -r __ns:=/{namespace}")
         from follower_humanoid.ros.spin import run
         from follower_humanoid.ros.viewer_node import ViewerNode
 
@@ -33,7 +35,7 @@ def main(args: list[str] | None = None) -> int:
         return int(run([ViewerNode], ["--ros-args", *ros_args, *words]))
     except ConfigurationError as error:
         print(error, file=sys.stderr)
-        return BAD_USAGE
+        return BAD_CONFIGURATION
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -11,7 +11,7 @@ from follower_humanoid.core.samples import Array, Side
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.record import Integers, Run
 from follower_humanoid.resources import share_path
-from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.robot.model import SOLE_OUTLINE, RobotModel
 
 # Lines from the end of a limb to what lies beyond its last joint: frame pairs, `?` stands for l and r.
 _BEYOND = (
@@ -118,12 +118,6 @@ class Body:
             position[row], rotation[row] = placement.translation, placement.rotation
         return Pose(position, rotation)
 
-    def pose_quat(self, frame: str, ticks: Integers) -> Array:
-        """One frame as position and quaternion (x, y, z, w) in world, shape (T, 7)."""
-        pose = self.pose(frame, ticks)
-        quats = [pin.Quaternion(rotation).coeffs() for rotation in pose.rotation]
-        return np.concatenate((pose.position, np.array(quats).reshape(-1, 4)), axis=1)
-
     def sole(self, side: Side, ticks: Integers) -> Pose:
         """A sole at the given ticks."""
         return self.pose(f"{side.prefix}_sole", ticks)
@@ -133,8 +127,7 @@ class Body:
         pin.framesForwardKinematics(self._model, self._data, pin.neutral(self._model))
         placements = self._data.oMf
         sole = placements[self._model.getFrameId(f"{side.prefix}_sole")]
-        order = (1, 3, 5, 6, 4, 2)  # along the one edge and back along the other
-        ids = [self._model.getFrameId(f"{side.prefix}_contact_{number}") for number in order]
+        ids = [self._model.getFrameId(f"{side.prefix}_contact_{number}") for number in SOLE_OUTLINE]
         return np.array([sole.actInv(placements[number].translation) for number in ids])
 
     def lines(self, ticks: Integers) -> Lines:

@@ -110,10 +110,6 @@ class BulletRobot:
         self.reads += 1
         self.finite = found == bullet_kernels.FINITE
 
-    def dof_order(self) -> Indices:
-        """Where each of the 45 joints stands among PyBullet's own degrees of freedom."""
-        return np.argsort(np.argsort(self._joints))
-
     def drive(self, torque: Array) -> None:
         """Joint torques of the next step, shape (45,) [N·m]."""
         moving = torque if self._all_driven else torque[self._rows]

@@ -44,8 +44,9 @@ class Drives:
         toe = np.array(["toe" in robot.joint_names[j] for j in joints])
         self._back_emf = np.where(toe, motor.toe_gear, motor.gear) * motor.back_emf_constant
         self._limit = motor.voltage_limit
-        self._lower = robot.lower[joints] + config.stop_margin
-        self._upper = robot.upper[joints] - config.stop_margin
+        lower, upper = robot.lower[joints], robot.upper[joints]
+        margin = np.minimum(config.stop_margin, 0.5 * (upper - lower))  # of a short range: its middle
+        self._lower, self._upper = lower + margin, upper - margin
         self.missed = self.limited = 0
         self.slack = False
         self.holding = False

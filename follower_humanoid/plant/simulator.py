@@ -155,6 +155,8 @@ class Simulator:
             drives.start(self.plant.joint_position, self.plant.motors.voltage)
         for place in self._places:
             place.let_go()
+        if self._board is not None:
+            self._board.clear()
         self._sensors.at_rest()
         self._outputs = self._read()
 
@@ -164,11 +166,6 @@ class Simulator:
         self.fall = None
         self._count_tick()
         self._rest()
-
-    @property
-    def missed_commands(self) -> int:
-        """Ticks times groups in which no usable command came and the drives held."""
-        return sum(drives.missed for drives in self._drives)
 
     def knows_frame(self, name: str) -> bool:
         """True for a name that a wrench's `frame` may have."""

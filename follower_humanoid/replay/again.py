@@ -67,6 +67,10 @@ def simulate_again(bag: Path, namespace: str | None, verify: bool, keep: Keep | 
     except PhysicsError as error:
         print(error, file=sys.stderr)
         return FAILED
+    except OSError as error:  # the new bag names itself
+        kept = f"{error.filename}: {error.strerror}; what was written before can be read"
+        print(kept if error.filename else f"a temporary file: {error.strerror}", file=sys.stderr)
+        return FAILED
     simulated = (outcome.ticks - 1) * run.tick
     factor = simulated / max(outcome.wall, 1e-9)
     print(f"simulated again: {outcome.ticks} ticks, {simulated:.3f} s")

@@ -14,6 +14,7 @@ from follower_humanoid.replay.index import BagFile, BagIndex, open_file
 
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 CLOCK = "/clock"
+READING_AHEAD = "reading ahead"  # the thread's name
 _AHEAD = 2  # chunks
 _RECEIVED = attrgetter("received")
 
@@ -78,7 +79,7 @@ def _read_ahead(chunks: Iterator[list[Event]]) -> Iterator[list[Event]]:
         except Exception as error:  # told where the messages are used
             put(error)
 
-    threading.Thread(target=read, daemon=True).start()
+    threading.Thread(target=read, name=READING_AHEAD, daemon=True).start()
     try:
         while (item := ready.get()) is not None:
             if isinstance(item, Exception):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -105,7 +106,7 @@ def open_file(path: Path) -> BagFile:
 
 def _files(bag: Path) -> list[Path]:
     """The files of a bag in the order of time; SQLite only where there is no MCAP."""
-    if bag.is_dir() and not any(bag.glob("*.mcap")):
+    if os.path.isdir(bag) and not any(bag.glob("*.mcap")):
         databases = [(SqliteFile(path).statistics()[1], path) for path in bag.glob(f"*{_SQLITE}")]
         if databases:
             return [path for _, path in sorted(databases)]

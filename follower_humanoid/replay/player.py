@@ -25,6 +25,7 @@ class PlayOptions:
         topics: Names of topics, none for all.
         without: Names of topics that are left out.
         start: Begin that long after the first message [s].
+        start_option: What the command calls that.
         duration: Play that much of the recorded time [s]; None for all.
         paused: Begin with a pause.
         clock: Rate of the clock made where the bag has none [Hz]; 0: none.
@@ -37,6 +38,7 @@ class PlayOptions:
     topics: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
     start: float = 0.0
+    start_option: str = "--start"
     duration: float | None = None
     paused: bool = False
     clock: float = CLOCK_RATE
@@ -59,9 +61,10 @@ class Player:
         Raises:
             ConfigurationError: A topic that is not in the bag, or a start behind its end.
         """
-        if options.start >= index.duration > 0.0:
+        if options.start > 0.0 and options.start >= index.duration:
             raise ConfigurationError(
-                f"--start {options.start:g}: bag {index.path} ends after {index.duration:.3f} s"
+                f"{options.start_option} {options.start:g}: "
+                f"bag {index.path} ends after {index.duration:.3f} s"
             )
         self._index, self._options = index, options
         chosen = index.chosen(options.topics)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 Vector = tuple[float, float, float]
 
-TOTAL_MASS = 73.0
 HIP_HALF_WIDTH = 0.09
 THIGH = 0.42
 SHANK = 0.41

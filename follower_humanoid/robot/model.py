@@ -18,6 +18,8 @@ GRAVITY = 9.81
 BASE_DOF = 6
 ACTUATED = 45
 Indices = NDArray[np.intp]
+SOLE_OUTLINE = (1, 3, 5, 6, 4, 2)
+"""Contact points along the one edge of a sole and back along the other."""
 
 _LEG = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll", "toe_pitch")
 _ARM = ("shoulder_pitch", "shoulder_roll", "shoulder_yaw", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
@@ -32,8 +33,8 @@ def read_urdf(path: Path) -> str:
             too large for a robot, a link or joint whose name has spaces or unprintable characters,
             or with the name of another file outside its own folder.
     """
-    if not path.is_file():  # a device or a pipe would be read without end
-        reason = "not a file" if path.exists() else "no such file"
+    if not os.path.isfile(path):  # a device or a pipe would be read without end
+        reason = "not a file" if os.path.exists(path) else "no such file"
         raise ConfigurationError(f"URDF {path} cannot be read: {reason}")
     try:
         if path.stat().st_size > _LARGEST_FILE:

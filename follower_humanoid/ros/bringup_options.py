@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
-import math
 import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import NoReturn
 
+from follower_humanoid.command_line import Parser, positive, split_ros_args
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.wiring import NODES
 
@@ -53,28 +51,8 @@ class Options:
     open: bool = False
 
 
-class _Parser(argparse.ArgumentParser):
-    """Complains in one line, with the valid options where one is unknown."""
-
-    def error(self, message: str) -> NoReturn:
-        if message.startswith("unrecognized arguments"):
-            valid = ", ".join(name for action in self._actions for name in action.option_strings)
-            message = f"{message.replace('unrecognized arguments', 'no such option')}; valid: {valid}"
-        raise ConfigurationError(f"{self.prog}: {message}")
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value) or value <= 0.0:
-        raise argparse.ArgumentTypeError(f"'{text}': needs a number of seconds greater than 0")
-    return value
-
-
-def _parser() -> _Parser:
-    parser = _Parser(
+def _parser() -> Parser:
+    parser = Parser(
         prog="bringup",
         description="Starts the graph: the follower walks behind the leader's hand, the run is recorded.",
         epilog="Exit status: 0 ended upright, 2 bad usage, 3 the robot fell, 1 anything else. "
@@ -83,7 +61,7 @@ def _parser() -> _Parser:
     )
     add = parser.add_argument
     add("--leader", metavar="NAME|FILE|none", help="force programme (default: fig4)")
-    add("--duration", type=_seconds, metavar="S", help="simulated seconds (default: until it stands again)")
+    add("--duration", type=positive, metavar="S", help="simulated seconds (default: until it stands again)")
     add("--bag", metavar="DIR|none", help="folder of the recorded run (default: bags/<date-time>)")
     add("--composed", action="store_true", help="all nodes in one process")
     add("--without", action="append", default=[], metavar="NODE", help="leave a node out; repeatable")
@@ -127,21 +105,6 @@ def parse(args: Sequence[str]) -> Options:
     )
 
 
-def split_ros_args(args: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Own arguments, and those between `--ros-args` and `--` or the end."""
-    own: list[str] = []
-    ros: list[str] = []
-    inside = False
-    for arg in args:
-        if arg == "--ros-args":
-            inside = True
-        elif arg == "--" and inside:
-            inside = False
-        else:
-            (ros if inside else own).append(arg)
-    return own, ros
-
-
 def bag_folder(given: str | None, where: str = "--bag") -> Path | None:
     """The folder of the bag, checked; None for `none`.
 
@@ -153,8 +116,13 @@ def bag_folder(given: str | None, where: str = "--bag") -> Path | None:
     if given == "":
         raise ConfigurationError(f"{where} '': needs a folder or 'none'")
     folder = Path(given) if given else Path("bags", datetime.now().strftime("%Y-%m-%d-%H-%M-%S"))
-    folder = folder.expanduser().absolute()
-    if folder.exists() or folder.is_symlink():
+    try:
+        folder = folder.expanduser().absolute()
+        taken = folder.exists() or folder.is_symlink()
+    except (OSError, RuntimeError) as error:  # too long a name; a home that does not exist
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise ConfigurationError(f"{where} {folder}: no folder can have that name: {reason}") from None
+    if taken:
         raise ConfigurationError(f"{where} {folder}: exists already, is not overwritten; name a new folder")
     above = next(parent for parent in folder.parents if parent.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):

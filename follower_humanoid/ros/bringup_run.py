@@ -44,11 +44,13 @@ class BringupRun:
     def __init__(self, plan: RunPlan) -> None:
         """Args: the checked plan."""
         self._plan = plan
+        if not plan.options.composed:  # separate nodes share what is imported before they are forked
+            import_components()  # may compile for a minute, in which a signal still ends everything at once
         self._stop = StopSignal()
         self._line = StatusLine()
         self._folder = Path(tempfile.mkdtemp(prefix=f"follower_humanoid_{os.getpid()}_"))
         self._parameter_file = self._folder / "parameters.yaml"
-        self._crew = Crew({})
+        self._crew = Crew()
         self._director: Director
         self._active_since = math.inf  # from then on a sign of life is due
 
@@ -108,12 +110,9 @@ class BringupRun:
     def _fork_nodes(self, arguments: list[str]) -> None:
         """Before ROS runs in this process; they wait for their parameters.
 
-        Separate nodes share what is imported here. The composed process imports it itself, while ROS starts
-        here.
+        The composed process imports its components itself, while ROS starts here.
         """
         plan = self._plan
-        if not plan.options.composed:
-            import_components()
         composed = plan.options.composed
         BORN_WITH.lay(line_pairs(plan.nodes, composed, plan.options.bag is not None), composed)
         if plan.options.composed:
@@ -201,8 +200,9 @@ class BringupRun:
         status, words = judge(end, *told)
         for text in words:
             self._say(text)
-        if self._plan.options.bag:
-            values[RECORDER] = {"bag": str(self._plan.options.bag)}
+        bag = self._plan.options.bag
+        if bag and bag.exists():
+            values[RECORDER] = {"bag": str(bag)}
         summary = summary_text(values)
         if summary:
             print(f"the run came to this:\n{summary}", flush=True)

@@ -8,7 +8,7 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,10 +44,12 @@ class Member:
 class Crew:
     """Starts, watches and ends processes."""
 
-    def __init__(self, environment: Mapping[str, str]) -> None:
-        """Nobody yet. Args: what to add to everyone's environment."""
+    def __init__(self) -> None:
+        """Nobody yet."""
+        # Who starts bringup may have it ignored: then nobody could say how a process ended.
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         self.members: list[Member] = []
-        self._environment = {PARENT: str(os.getpid()), **environment}
+        self._environment = {PARENT: str(os.getpid())}
         self._gate = Gate()
 
     def fork(

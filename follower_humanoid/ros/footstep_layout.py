@@ -11,6 +11,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from follower_humanoid.core import samples
 from follower_humanoid.core.samples import Array, Side
+from follower_humanoid.core.topics import CLOSING_STEP
 from follower_humanoid.ros.layouts import Blocks, Stamped
 from follower_humanoid.ros.validation import MessageError
 
@@ -20,7 +21,6 @@ class FootstepsFormat(Stamped):
 
     message_type = MarkerArray
     fast_reading = False
-    CLOSING = "closing step"
 
     def shape(self, sample: samples.Footsteps) -> tuple[tuple[Side, bool], ...]:
         """What decides the template."""
@@ -32,7 +32,7 @@ class FootstepsFormat(Stamped):
         blocks: list[tuple[str, int]] = []
         for index, (side, counted) in enumerate(shape):
             marker = Marker(ns=side.value, id=index, type=Marker.CUBE, action=Marker.ADD)
-            marker.text = "" if counted else self.CLOSING
+            marker.text = "" if counted else CLOSING_STEP
             marker.scale.x, marker.scale.y, marker.scale.z = 0.24, 0.09, 0.004
             markers.append(self.framed(marker))
             blocks += [(f"markers[{index}].pose.position.x", 7), (f"markers[{index}].color.r", 4)]
@@ -65,6 +65,6 @@ class FootstepsFormat(Stamped):
                 raise MessageError(self.topic.name, f"marker namespace '{marker.ns}'; valid: left, right")
             self.check_frame(marker)
             p, q, c = marker.pose.position, marker.pose.orientation, marker.color
-            shape.append((Side(marker.ns), marker.text != self.CLOSING))
+            shape.append((Side(marker.ns), marker.text != CLOSING_STEP))
             blocks += [self.finite(p.x, p.y, p.z, q.x, q.y, q.z, q.w), self.finite(c.r, c.g, c.b, c.a)]
         return self.sample(blocks, tuple(shape))

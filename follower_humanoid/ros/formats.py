@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import cast
 
 from follower_humanoid.core import samples
-from follower_humanoid.core.topics import Topic
+from follower_humanoid.core.topics import PEOPLE, Topic
 from follower_humanoid.robot.model import RobotModel
 from follower_humanoid.ros.footstep_layout import FootstepsFormat
 from follower_humanoid.ros.layouts import (
@@ -28,7 +28,6 @@ _SIMPLE: dict[type, type] = {
     samples.PrimitiveStates: PrimitivesFormat,
     samples.Footsteps: FootstepsFormat,
 }
-PEOPLE = frozenset({"leader/left_hand/wrench", "leader/right_hand/wrench", "base/push"})
 
 
 def format_of(topic: Topic, robot: RobotModel) -> Format:

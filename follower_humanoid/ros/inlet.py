@@ -11,13 +11,13 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header, UInt8MultiArray
 
 from follower_humanoid.core.cdr import HEADER, STAMP_SIZE, stamp_of, text_of
+from follower_humanoid.core.topics import PEOPLE
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import PRODUCER, SIMULATOR, is_optional, nodes_with
 from follower_humanoid.ros.barrier import Barrier
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_reader import EnvelopeReader
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.lines import BORN_WITH
 from follower_humanoid.ros.mailbox import Mailbox
 from follower_humanoid.ros.outlet import ABSENT

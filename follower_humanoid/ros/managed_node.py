@@ -14,13 +14,12 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from follower_humanoid.core.cdr import NANOSECONDS
-from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 from follower_humanoid.graph.graph_config import GraphConfig
 from follower_humanoid.ros.careful_services import make_careful
 from follower_humanoid.ros.parameters import declare
 from follower_humanoid.ros.qos import DIAGNOSTICS
 
-BAD_CONFIGURATION = 2
 _TELL_EVERY = 1.0  # wall time between two warnings about messages on one topic [s]
 _LONGEST_WARNING = 400  # characters: a message may hold a name of any length
 FAILED = 1
@@ -158,7 +157,7 @@ class ManagedNode(LifecycleNode):
         return self._transition(self.start, running=True)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Pauses: the lock-stepped graph waits for this node until it is activated again."""
+        """Pauses; what the others get meanwhile is for `stop` to say."""
         return self._transition(self.stop, running=False)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:

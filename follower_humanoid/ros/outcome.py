@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from types import MappingProxyType
 
+from follower_humanoid.errors import BAD_CONFIGURATION
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.crew import Member, how_it_ended
-from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, FAILED
+from follower_humanoid.ros.managed_node import FAILED
 
 ENDED, EXIT_STATUS = "ended", "exit_status"
 """Under these names the simulator tells in its last diagnostics that the run is over, and how."""

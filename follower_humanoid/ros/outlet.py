@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from std_msgs.msg import Header, UInt8MultiArray
 
 from follower_humanoid.core.cdr import NANOSECONDS
+from follower_humanoid.core.topics import PEOPLE
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, NodeWiring, is_same_tick, nodes_with
 from follower_humanoid.ros.barrier import Barrier, expected_readers
@@ -16,7 +17,6 @@ from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.envelope import Envelope, envelope_topic, hears_slow
 from follower_humanoid.ros.envelope_writer import EnvelopeWriter
 from follower_humanoid.ros.exhibit import Exhibit
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.listeners import Listeners
 from follower_humanoid.ros.outgoing import Outgoing
 

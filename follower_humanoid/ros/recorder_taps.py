@@ -18,11 +18,11 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.recorder import STATE, Arrival, Recorded, Recording, recorded_topics
 from follower_humanoid.core.cdr import LARGEST_STAMP, clock_bytes
+from follower_humanoid.core.topics import PEOPLE
 from follower_humanoid.graph.graph_config import RECORDER
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.wiring import SIMULATOR, nodes_with
 from follower_humanoid.ros.envelope import Envelope, comes_by_itself, envelope_topic
-from follower_humanoid.ros.formats import PEOPLE
 from follower_humanoid.ros.lines import BORN_WITH, Ear
 from follower_humanoid.ros.outgoing import SLOT
 from follower_humanoid.ros.parcel import unpacked

@@ -17,7 +17,6 @@ from rclpy.duration import Duration
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import try_shutdown
 from std_srvs.srv import Trigger
@@ -27,6 +26,7 @@ from follower_humanoid.replay.offered import Offered
 from follower_humanoid.replay.pace import Pace
 from follower_humanoid.replay.player import Player, PlayOptions
 from follower_humanoid.ros.keyboard import on_space
+from follower_humanoid.ros.spin import start_ros
 
 _LAST_ACKNOWLEDGEMENT = Duration(seconds=1)
 _MATCHING = 3.0  # wall time in which subscribers are found before the first message, at the longest [s]
@@ -52,7 +52,7 @@ def play(options: PlayOptions, ros_args: list[str], name: str = "replay") -> int
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, stop)
-    rclpy.init(args=["--ros-args", *ros_args], signal_handler_options=SignalHandlerOptions.NO)
+    start_ros(["--ros-args", *ros_args])
     try:
         with on_space(player.pace.toggle):
             _play(player, index, types, name)

@@ -9,7 +9,8 @@ from typing import Any
 
 import yaml
 
-from follower_humanoid.graph.graph_config import LEADER, RECORDER, VIEWER
+from follower_humanoid.core.config import build
+from follower_humanoid.graph.graph_config import LEADER, RECORDER, VIEWER, RunConfig
 from follower_humanoid.graph.wiring import NODES, SIMULATOR
 from follower_humanoid.resources import share_path
 from follower_humanoid.ros.bringup_options import NONE, Options, bag_folder
@@ -66,8 +67,8 @@ def make_plan(options: Options) -> RunPlan:
     )
     about = {"command": shlex.join(["bringup", *_spoken(options)])}
     duration, settle = options.duration or 0.0, 0.0
+    programme, text = _programme(options.leader) if options.leader != NONE else (("", 0.0), "")
     if LEADER in nodes:
-        programme, text = _programme(options.leader)
         about["programme.yaml"] = text
         parameters.set(LEADER, programme=programme[0])
         if options.duration is None:
@@ -77,6 +78,7 @@ def make_plan(options: Options) -> RunPlan:
         if "duration" in own:
             duration, settle = own["duration"], 0.0
         settle = own.get("settle", settle)
+    build(RunConfig, {"duration": duration, "settle": settle}, SIMULATOR)  # within their ranges?
     present = ",".join((*nodes, *((RECORDER,) if options.bag else ())))
     for name in (*nodes, *((RECORDER,) if options.bag else ())):
         parameters.set(name, nodes=present, autostart=False)
@@ -123,7 +125,7 @@ def _spoken(options: Options) -> list[str]:
     if options.duration is not None:
         words += ["--duration", repr(options.duration)]
     words += [word for name in options.without for word in ("--without", name)]
-    words += ["--composed"] * options.composed + ["--realtime"] * options.realtime + ["--view"] * options.view
+    words += [f"--{word}" for word in ("composed", "realtime", "open", "view") if getattr(options, word)]
     words += [word for path in options.params for word in ("--params", str(path))]
     if options.namespace:
         words += ["--namespace", options.namespace]

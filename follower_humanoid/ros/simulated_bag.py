@@ -8,7 +8,6 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.parameter import Parameter
-from rclpy.serialization import serialize_message
 
 from follower_humanoid.bag.about import about_run
 from follower_humanoid.bag.qos import offered_qos
@@ -26,6 +25,7 @@ from follower_humanoid.core.cdr import NANOSECONDS, clock_bytes
 from follower_humanoid.core.samples import Sample
 from follower_humanoid.graph.record import Adjusted, Holding, Run, RunRecorder
 from follower_humanoid.robot.model import RobotModel
+from follower_humanoid.ros.cdr import CdrWriter
 from follower_humanoid.ros.codecs import Codec
 from follower_humanoid.ros.holding import holding_message
 
@@ -83,17 +83,23 @@ class SimulatedBag(RunRecorder):
             Parameter(name, value=list(value) if isinstance(value, tuple) else value).to_parameter_msg()
             for name, value in adjusted.values.items()
         ]
-        self._take(ADJUSTED, bytes(serialize_message(event)), stamp)
+        self._take(ADJUSTED, bytes(CdrWriter(event).data), stamp)
 
     def hold(self, holding: Holding) -> None:
         """Writes that the motor drives hold from a tick on, or no longer do."""
         stamp = holding.tick * self._tick_ns
-        self._take(HOLDING, bytes(serialize_message(holding_message(holding, stamp))), stamp)
+        self._take(HOLDING, bytes(CdrWriter(holding_message(holding, stamp)).data), stamp)
 
     def close(self) -> None:
-        """Ends the bag."""
-        self._recording.flush()
-        self._writer.close()
+        """Ends the bag.
+
+        Raises:
+            OSError: The disk is full or gone; it names the bag.
+        """
+        try:
+            self._recording.flush()
+        finally:
+            self._writer.close()
 
     def _take(self, topic: str, data: bytes, stamp: int) -> None:
         received = self._created + stamp

@@ -13,13 +13,13 @@ from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
 from follower_humanoid.core.cdr import NANOSECONDS, clock_bytes
+from follower_humanoid.core.topics import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.graph.graph_config import LEADER, RunConfig
 from follower_humanoid.graph.lockstep import CLOCK
 from follower_humanoid.graph.pace import Durations, Pace
 from follower_humanoid.graph.run_end import RunEnd
 from follower_humanoid.graph.wiring import NODES, SIMULATOR, node_wiring
 from follower_humanoid.ros.barrier import RESET, RollCall, expected_readers
-from follower_humanoid.ros.formats import PEOPLE as PEOPLE_TOPICS
 from follower_humanoid.ros.holding import HoldingDrives
 from follower_humanoid.ros.lockstep_node import LockStepNode
 from follower_humanoid.ros.managed_node import FAILED
@@ -132,9 +132,15 @@ class SimulatorNode(LockStepNode):
         """Goes on; time does not stand still for who is silent, whose motor drives then hold."""
         self.run_ready_steps()
         silent = time.monotonic() - self._stepped
-        if not (self.running and self.started) or self._waiting_for_all:
+        if not (self.running and self.started):
             self._stepped = time.monotonic()
-        elif self.run.realtime and not self.lock.ready and silent > self.run.hold_after:
+        elif not self.run.realtime or silent <= self.run.hold_after:
+            return
+        elif self._waiting_for_all:
+            names = ", ".join(self._roll_call.waiting_for())
+            self.logger.warning(f"{names} silent for {silent:.2f} s: the reset goes on without")
+            self._all_know()
+        elif not self.lock.ready:
             for missing in self.lock.give_up_on(self.lock.topics):
                 self.logger.warning(f"no {missing} for {silent:.2f} s: going on without it")
             self.run_ready_steps()
@@ -193,6 +199,7 @@ class SimulatorNode(LockStepNode):
     def _all_know(self) -> None:
         if self._waiting_for_all:
             self._waiting_for_all = False
+            self._stepped = time.monotonic()  # nobody was late so far
             self.run_ready_steps()
 
     def _note_voltages(self, inputs: Any) -> None:
@@ -226,6 +233,8 @@ class SimulatorNode(LockStepNode):
 
     def stalled(self, waited: float, missing: str) -> None:
         """Nobody else can go on either: the run is lost."""
+        if self._waiting_for_all:
+            missing = f"a reset waits for {', '.join(self._roll_call.waiting_for())}"
         self.quit(FAILED, f"no message for {waited:.0f} s: {missing}")
 
     def wind_down(self) -> None:

@@ -11,6 +11,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from types import FrameType
 from typing import Any, cast
 
@@ -21,10 +22,11 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import ok, try_shutdown
 
-from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.command_line import Parser, split_ros_args
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 from follower_humanoid.ros.bus import Bus
 from follower_humanoid.ros.claim import Claim
-from follower_humanoid.ros.managed_node import BAD_CONFIGURATION, REST, ManagedNode
+from follower_humanoid.ros.managed_node import REST, ManagedNode
 from follower_humanoid.ros.quiet import quiet_stderr
 from follower_humanoid.ros.transport import asked_to_be_open, choose_network
 
@@ -96,7 +98,9 @@ def run(
     stop = StopSignal()
     nodes: list[ManagedNode] = []
     try:
-        start_ros(args)
+        words = sys.argv[1:] if args is None else args
+        _no_options(split_ros_args(words)[0])
+        start_ros(words)
         for make in makers:
             nodes.append(make())
             nodes[-1].when_over = stop.end
@@ -109,6 +113,21 @@ def run(
         for node in nodes:
             cast(Any, node).destroy_node()
         try_shutdown()
+
+
+def _no_options(words: list[str]) -> None:
+    """A node has parameters and no options but `--help`.
+
+    Raises:
+        ConfigurationError: There are others.
+    """
+    Parser(
+        prog=Path(sys.argv[0]).stem,
+        description="A node of the follower's graph, which starts itself unless `autostart` is false.",
+        epilog="After --ros-args: -p NAME:=VALUE, --params-file FILE, -r OLD:=NEW. `ros2 param list` names "
+        "the parameters while it runs.",
+        allow_abbrev=False,
+    ).parse_args(words)
 
 
 def _claim(nodes: list[ManagedNode]) -> Claim:

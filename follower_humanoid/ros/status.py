@@ -54,6 +54,7 @@ class StatusLine:
         if self._terminal and self._text:
             self._stream.write("\n")
             self._stream.flush()
+        self._text = ""
 
 
 def status_text(values: Values) -> str:

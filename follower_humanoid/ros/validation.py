@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -42,8 +43,8 @@ def order_of(
     """
     place = {name: index for index, name in enumerate(names)}
     if len(place) != len(names):
-        twice = sorted({name for name in names if names.count(name) > 1})
-        raise MessageError(topic, f"name given twice: {', '.join(twice)}")
+        twice = sorted(name for name, times in Counter(names).items() if times > 1)
+        raise MessageError(topic, f"name given twice: {_some(twice)}")
     unknown = sorted(place.keys() - set(wanted))
     if unknown:
         raise MessageError(topic, f"unknown name: {_some(unknown)}; valid: {', '.join(wanted)}")

@@ -7,11 +7,12 @@ import sys
 from datetime import datetime, timezone
 from pathlib import Path
 
+from follower_humanoid.command_line import UsageError, positive
 from follower_humanoid.replay.index import BagIndex, index_bag
 from follower_humanoid.replay.player import CLOCK_RATE, PlayOptions
 from follower_humanoid.ros2_front import bag_record
 from follower_humanoid.ros2_front.graph import stay_on_this_machine
-from follower_humanoid.ros2_front.verbs import UsageError, Verb, positive
+from follower_humanoid.ros2_front.verbs import Verb
 
 _UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 
@@ -103,6 +104,7 @@ def _play(args: argparse.Namespace) -> int:
         topics=tuple(args.topics),
         without=tuple(args.exclude_topics),
         start=args.start_offset,
+        start_option="--start-offset",
         duration=args.playback_duration,
         paused=args.start_paused,
         clock=args.clock,

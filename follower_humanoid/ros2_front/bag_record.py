@@ -14,12 +14,13 @@ from rclpy.node import Node
 
 from follower_humanoid.bag.qos import offered_qos
 from follower_humanoid.bag.writer import About, BagWriter
+from follower_humanoid.command_line import UsageError, positive
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.ros2_front.graph import full_name, graph_node
 from follower_humanoid.ros2_front.listening import Ear, pause
 from follower_humanoid.ros2_front.messages import interface
 from follower_humanoid.ros2_front.qos import matching_profile
-from follower_humanoid.ros2_front.verbs import CommandError, UsageError, positive
+from follower_humanoid.ros2_front.verbs import CommandError
 
 _DEPTH = 2000
 _LOOK_EVERY = 0.2
@@ -51,21 +52,26 @@ def run(args: argparse.Namespace) -> int:
     except re.error as error:
         raise UsageError(f"ros2 bag record: no regular expression: {error}") from None
     folder = args.output or Path(datetime.now().strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
+    try:
+        messages, topics = _record(folder, choice, args.max_recording_duration)
+    except OSError as error:  # of closing, too
+        raise CommandError(f"bag {folder}: {error.strerror}; what was written before can be read") from None
+    print(f"{messages} messages of {topics} topics", file=sys.stderr)
+    return 0
+
+
+def _record(folder: Path, choice: _Choice, longest: float | None) -> tuple[int, int]:
+    """Records until stopped, or for a time [s]; returns how many messages of how many topics."""
     with graph_node(name="rosbag2_recorder") as node, BagWriter(folder, About(), time.time_ns()) as writer:
         print(f"recording into {folder}; Ctrl-C ends it", file=sys.stderr, flush=True)
         recorder = _Recorder(node, writer, choice)
-        end = None if args.max_recording_duration is None else time.monotonic() + args.max_recording_duration
+        end = None if longest is None else time.monotonic() + longest
         try:
             while pause() and (end is None or time.monotonic() < end):
                 recorder.visit()
         except KeyboardInterrupt:
             recorder.visit()
-        except OSError as error:
-            raise CommandError(
-                f"bag {folder}: {error.strerror}; what was written before can be read"
-            ) from None
-        print(f"{writer.message_count} messages of {len(recorder.ears)} topics", file=sys.stderr)
-    return 0
+    return writer.message_count, len(recorder.ears)
 
 
 class _Choice:

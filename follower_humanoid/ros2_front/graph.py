@@ -18,7 +18,8 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import ok, try_shutdown
 
-from follower_humanoid.ros2_front.verbs import CommandError, UsageError
+from follower_humanoid.command_line import UsageError
+from follower_humanoid.ros2_front.verbs import CommandError
 
 Found = TypeVar("Found")
 _LEAST = 1.5  # wall time until a graph on this machine has usually been found [s]

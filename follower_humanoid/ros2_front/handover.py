@@ -7,8 +7,9 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-# Console scripts, editable ones too, name the distribution that they belong to.
-_OURS = re.compile(rb"follower[-_]humanoid")
+# Console scripts name the module that they call, editable ones the distribution. The name alone is not
+# enough: the path of an interpreter may have it.
+_OURS = re.compile(rb"follower_humanoid\.ros2_front|['\"]follower[-_]humanoid(==[^'\"]*)?['\"]")
 _LONGEST_SCRIPT = 16384
 
 

@@ -8,12 +8,12 @@ import sys
 import textwrap
 from collections.abc import Sequence
 
-from follower_humanoid.errors import ConfigurationError
+from follower_humanoid.command_line import Parser, UsageError
+from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 from follower_humanoid.ros2_front.handover import hand_over
-from follower_humanoid.ros2_front.verbs import CommandError, Parser, UsageError, Verb
+from follower_humanoid.ros2_front.verbs import CommandError, Verb
 
 FAILED = 1
-BAD_USAGE = 2
 
 # Command → module and summary; a module is imported when its command is used.
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -41,7 +41,7 @@ def front(words: Sequence[str]) -> int:
         status = _dispatch(words)
         sys.stdout.flush()
     except ConfigurationError as error:
-        return _complain(error, BAD_USAGE)
+        return _complain(error, BAD_CONFIGURATION)
     except CommandError as error:
         return _complain(error, FAILED)
     except KeyboardInterrupt:

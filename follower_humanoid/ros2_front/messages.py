@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from follower_humanoid.ros2_front.verbs import CommandError, UsageError
+from follower_humanoid.command_line import UsageError
+from follower_humanoid.ros2_front.verbs import CommandError
 
 _TEXT = re.compile(r"^w?string(?:<(\d+)>)?$")
 _SEQUENCE = re.compile(r"^sequence<(.+?)(?:, *(\d+))?>$")

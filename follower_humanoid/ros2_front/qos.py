@@ -8,7 +8,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPresetProfiles, QoSProfile, ReliabilityPolicy
 
-from follower_humanoid.ros2_front.verbs import count
+from follower_humanoid.command_line import count
 
 _RELIABILITY = ("reliable", "best_effort", "system_default")
 _DURABILITY = ("volatile", "transient_local", "system_default")

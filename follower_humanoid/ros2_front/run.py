@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import NoReturn
 
 from follower_humanoid import resources
+from follower_humanoid.command_line import UsageError
 from follower_humanoid.executables import EXECUTABLES
-from follower_humanoid.ros2_front.verbs import CommandError, UsageError
+from follower_humanoid.ros2_front.verbs import CommandError
 
 _HELP = """usage: ros2 run [-h] [--prefix COMMAND] PACKAGE EXECUTABLE [arguments]
 

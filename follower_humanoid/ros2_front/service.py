@@ -6,6 +6,7 @@ import argparse
 import sys
 import time
 
+from follower_humanoid.command_line import positive
 from follower_humanoid.ros2_front.graph import (
     add_discovery_arguments,
     call,
@@ -15,7 +16,7 @@ from follower_humanoid.ros2_front.graph import (
     wait_for,
 )
 from follower_humanoid.ros2_front.messages import fill, interface, read_values
-from follower_humanoid.ros2_front.verbs import CommandError, Verb, positive
+from follower_humanoid.ros2_front.verbs import CommandError, Verb
 
 _PATIENCE = 30.0
 

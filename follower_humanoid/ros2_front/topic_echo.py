@@ -8,11 +8,12 @@ from typing import Any
 
 from rclpy.node import Node
 
+from follower_humanoid.command_line import count, positive
 from follower_humanoid.ros2_front.graph import add_discovery_arguments, full_name, graph_node, wait_for
 from follower_humanoid.ros2_front.listening import Ear, pause, publishers_of, topic_type
 from follower_humanoid.ros2_front.messages import field_of, interface, plain, yaml_text
 from follower_humanoid.ros2_front.qos import add_qos_arguments, chosen_profile, matching_profile
-from follower_humanoid.ros2_front.verbs import CommandError, count, positive
+from follower_humanoid.ros2_front.verbs import CommandError
 
 _DEPTH = 100
 _LONGEST = 128

@@ -9,11 +9,11 @@ from collections import deque
 from collections.abc import Sequence
 from itertools import pairwise
 
+from follower_humanoid.command_line import count
 from follower_humanoid.ros2_front.graph import add_discovery_arguments, full_name, graph_node, wait_for
 from follower_humanoid.ros2_front.listening import Ear, pause, publishers_of, topic_type
 from follower_humanoid.ros2_front.messages import interface
 from follower_humanoid.ros2_front.qos import add_qos_arguments, chosen_profile, matching_profile
-from follower_humanoid.ros2_front.verbs import count
 
 _DEPTH = 5000
 _WINDOW = 10000

@@ -12,10 +12,11 @@ from rclpy.duration import Duration
 from rclpy.qos import QoSProfile
 from rclpy.utilities import ok
 
+from follower_humanoid.command_line import UsageError, count, positive
 from follower_humanoid.ros2_front.graph import full_name, graph_node
 from follower_humanoid.ros2_front.messages import fill, interface, read_values
 from follower_humanoid.ros2_front.qos import DEPTH, add_qos_arguments, chosen_profile
-from follower_humanoid.ros2_front.verbs import CommandError, UsageError, count, positive
+from follower_humanoid.ros2_front.verbs import CommandError
 
 _LAST_ACKNOWLEDGEMENT = Duration(seconds=1)
 _STEP = 0.02

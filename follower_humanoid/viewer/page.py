@@ -7,7 +7,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable
-from contextlib import redirect_stdout, suppress
+from contextlib import redirect_stdout
 from functools import partial
 from html import escape
 from typing import Any
@@ -19,6 +19,7 @@ from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.pictures.palette import DCM, FORCE, LEFT, PCM, RIGHT, ZMP
 from follower_humanoid.viewer.config import ViewerConfig
 from follower_humanoid.viewer.hands import Hands
+from follower_humanoid.viewer.heartbeat import Heartbeat
 from follower_humanoid.viewer.leash import Leashes
 from follower_humanoid.viewer.moment import Moment, Trail
 from follower_humanoid.viewer.panel import LeadPanel, ViewPanel
@@ -35,7 +36,6 @@ _POINTS_EVERY = 0.1
 _GROUND_EVERY = 0.3
 _CURVES_EVERY = 0.2
 _WORDS_EVERY = 0.3
-_HEARTBEAT = 0.3  # wall time between two questions to a page that holds a hand [s]
 # In the light and in the dark.
 _COLORS = {GOOD: ("#237032", "#69db7c"), WAITING: ("#5c6770", "#ced4da"), BAD: ("#c92a2a", "#ff8787")}
 _STYLE = "".join(
@@ -104,11 +104,9 @@ class Page:
         plots.set_width(300)
         self._words = ""
         self._turns = self._take_turns()
-        self._over = threading.Event()
         self._server.on_client_connect(suit_camera)
         self._server.on_client_disconnect(self._gone)
-        self._heart = threading.Thread(target=self._beat, daemon=True)
-        self._heart.start()
+        self._heartbeat = Heartbeat(self.hands, self._server.get_clients, config.pull.patience)
 
     @property
     def address(self) -> str:
@@ -149,7 +147,7 @@ class Page:
 
     def close(self, words: str) -> None:
         """Says a last word and goes; pages keep it."""
-        self._over.set()
+        self._heartbeat.end()
         self.hands.let_all_go()
         self._write(WAITING, words, [])
         self._server.flush()
@@ -206,19 +204,6 @@ class Page:
 
     def _gone(self, client: Any) -> None:
         self.hands.gone(client.client_id)
-
-    def _beat(self) -> None:
-        """Asks pages that hold a hand whether they are still there."""
-        while not self._over.wait(_HEARTBEAT):
-            for number in self.hands.pages():
-                client = self._server.get_clients().get(number)
-                if client is None:
-                    self.hands.gone(number)
-                    continue
-                # No answer in time: nothing is heard, and its hold runs out.
-                with suppress(RuntimeError, TimeoutError):
-                    client.local_storage.get_item("follower", timeout=self._config.pull.patience)
-                    self.hands.heard(number, time.monotonic())
 
 
 def _check_address(host: str) -> None:

@@ -10,9 +10,8 @@ import pinocchio as pin
 from follower_humanoid.core.samples import Array, Joints, Odometry, Side
 from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.resources import share_path
+from follower_humanoid.robot.model import SOLE_OUTLINE
 from follower_humanoid.robot.pose_table import pose_table
-
-_AROUND = (1, 3, 5, 6, 4, 2)  # contact points along the one edge of a sole and back along the other
 
 
 class Skeleton:
@@ -77,4 +76,4 @@ class Skeleton:
     def sole_outline(self, side: Side) -> Array:
         """Corners of a sole in order with its toe as it is, in the sole frame, shape (6, 3) [m]."""
         sole = self.pose(f"{side.prefix}_sole")
-        return np.array([sole.actInv(self.position(f"{side.prefix}_contact_{n}")) for n in _AROUND])
+        return np.array([sole.actInv(self.position(f"{side.prefix}_contact_{n}")) for n in SOLE_OUTLINE])

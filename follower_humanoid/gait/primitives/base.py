@@ -33,7 +33,7 @@ class StepContext:
     landing: FootPose
     gait: Gait
     swing_height: float
-    touchdown_load: float = 20.0
+    touchdown_load: float
 
 
 @dataclass(frozen=True)
