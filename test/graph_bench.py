@@ -182,6 +182,18 @@ def run_script(text: str, env: dict[str, str]) -> None:
         assert process.wait(PATIENCE) == 0
 
 
+RESET = """
+import rclpy
+from std_srvs.srv import Trigger
+rclpy.init()
+node = rclpy.create_node("operator")
+client = node.create_client(Trigger, "reset")
+client.wait_for_service()
+asked = client.call_async(Trigger.Request())
+rclpy.spin_until_future_complete(node, asked)
+assert asked.result().success
+"""
+
 _CHANGE = """
 import rclpy
 from lifecycle_msgs.msg import Transition

@@ -6,19 +6,7 @@ import os
 import signal
 
 import pytest
-from graph_bench import bringup, run_script, wait_until
-
-RESET = """
-import rclpy
-from std_srvs.srv import Trigger
-rclpy.init()
-node = rclpy.create_node("operator")
-client = node.create_client(Trigger, "reset")
-client.wait_for_service()
-asked = client.call_async(Trigger.Request())
-rclpy.spin_until_future_complete(node, asked)
-assert asked.result().success
-"""
+from graph_bench import RESET, bringup, run_script, wait_until
 
 
 @pytest.mark.timeout(900)

@@ -7,7 +7,18 @@ import signal
 
 import numpy as np
 import pytest
-from graph_bench import PATIENCE, beside, bringup, node, processes_of, run, run_script, script, wait_until
+from graph_bench import (
+    PATIENCE,
+    RESET,
+    beside,
+    bringup,
+    node,
+    processes_of,
+    run,
+    run_script,
+    script,
+    wait_until,
+)
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.simulate import simulate
@@ -243,24 +254,11 @@ def test_a_node_of_ours_started_by_hand_takes_its_place_in_the_lock_step(place, 
         by_hand = node("arm_controller", running.environment)
         try:
             assert running.wait() == 0, running.complained
+            assert by_hand.wait(PATIENCE) == 0  # of itself: it has no part in another run
         finally:
-            by_hand.terminate()
-            assert by_hand.wait(PATIENCE) == 0
+            by_hand.kill()
     ours, theirs = separate[1]["joint_states"].position, recorded(bag)["joint_states"].position
     assert ours.tobytes() == theirs.tobytes()
-
-
-RESET = """
-import rclpy
-from std_srvs.srv import Trigger
-rclpy.init()
-node = rclpy.create_node("impatient")
-client = node.create_client(Trigger, "reset")
-client.wait_for_service()
-asked = client.call_async(Trigger.Request())
-rclpy.spin_until_future_complete(node, asked)
-print(asked.result().message)
-"""
 
 
 @pytest.mark.parametrize("placement", [[], ["--composed"]])

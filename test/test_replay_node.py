@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 import rclpy
 from bag_messages import START, TICK_NS, write_bag
+from geometry_msgs.msg import PointStamped
 from graph_bench import PATIENCE, free_domain, wait_until
 from nav_msgs.msg import Odometry
 from rclpy.experimental.events_executor import EventsExecutor
@@ -174,6 +175,19 @@ def test_names_are_remapped_and_sigterm_ends_it(listener, bag):
     assert wait_until(lambda: listener.node.count_publishers("/elsewhere") == 1)
     assert listener.node.count_publishers("/com") == 0
     end(replay, signal.SIGTERM)
+
+
+def test_it_plays_nothing_that_somebody_publishes_already(listener, bag):
+    alive = listener.node.create_publisher(PointStamped, "/com", 10)
+    replay = start(str(bag))
+    _, errors = replay.communicate(timeout=PATIENCE)
+    assert replay.returncode == 2
+    assert "/com is published by listener already" in errors
+    assert listener.listen_for(0.0) == 0
+    replay = start(str(bag), "--topics", "odom", "--loop")
+    listener.wait_for(10)
+    end(replay, signal.SIGTERM)
+    listener.node.destroy_publisher(alive)
 
 
 @pytest.mark.parametrize(

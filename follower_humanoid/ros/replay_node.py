@@ -21,6 +21,7 @@ from rclpy.task import Future
 from rclpy.utilities import try_shutdown
 from std_srvs.srv import Trigger
 
+from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.replay.index import BagIndex, index_bag
 from follower_humanoid.replay.offered import Offered
 from follower_humanoid.replay.pace import Pace
@@ -32,13 +33,19 @@ _LAST_ACKNOWLEDGEMENT = Duration(seconds=1)
 _MATCHING = 3.0  # wall time in which subscribers are found before the first message, at the longest [s]
 _QUIET = 0.5  # once there are some, the others are there too after that long
 _STEP = 0.02
+# Topics that any number of nodes may publish.
+_EVERYBODYS = frozenset({"diagnostics", "rosout", "parameter_events", "tf", "tf_static"})
+REPLAY = "replay"
 
 
-def play(options: PlayOptions, ros_args: list[str], name: str = "replay") -> int:
+def play(options: PlayOptions, ros_args: list[str], name: str = REPLAY) -> int:
     """Plays a bag; returns the exit status.
 
+    Beside a running graph, whose nodes it would contradict, `replay` plays nothing; under any other name it
+    says so and plays.
+
     Raises:
-        ConfigurationError: The bag or an option cannot be used.
+        ConfigurationError: The bag or an option cannot be used, or somebody publishes the same already.
     """
     index = index_bag(options.bag)
     types = {topic: message_class(entry.type_name) for topic, entry in index.topics.items()}
@@ -90,6 +97,10 @@ def _play(player: Player, index: BagIndex, types: dict[str, Any], name: str) -> 
     spinning.start()
     try:
         _wait_for_subscribers(publishers, player.pace)
+        if rival := _rival(node, publishers):
+            if name == REPLAY:
+                raise ConfigurationError(f"{rival}; valid: another ROS_DOMAIN_ID, or --topics with others")
+            print(f"note: {rival}", file=sys.stderr)
         print(_announcement(player, index), file=sys.stderr, flush=True)
         gc.collect()
         gc.disable()  # a collection would delay messages; nothing here makes cycles
@@ -103,6 +114,17 @@ def _play(player: Player, index: BagIndex, types: dict[str, Any], name: str) -> 
         over.set()
         spinning.join()
         node.destroy_node()
+
+
+def _rival(node: Node, publishers: dict[str, Any]) -> str:
+    """Who publishes one of these topics already, in words; empty: nobody does."""
+    for topic, publisher in publishers.items():
+        if topic.rpartition("/")[2] not in _EVERYBODYS:
+            infos = node.get_publishers_info_by_topic(publisher.topic_name)
+            others = sorted({info.node_name for info in infos} - {node.get_name()})
+            if others:
+                return f"{topic} is published by {', '.join(others)} already"
+    return ""
 
 
 def _announcement(player: Player, index: BagIndex) -> str:
