@@ -17,11 +17,16 @@ class UsageError(ConfigurationError):
 class Parser(argparse.ArgumentParser):
     """Complains in one line, with the valid options where one is unknown."""
 
+    _GIVEN = "ignored explicit argument "  # argparse says so, and does not go on
+
     def error(self, message: str) -> NoReturn:
         """Raises instead of printing the whole usage."""
         if message.startswith("unrecognized arguments"):
             valid = ", ".join(name for action in self._actions for name in action.option_strings)
             message = f"{message.replace('unrecognized arguments', 'no such argument')}; valid: {valid}"
+        if self._GIVEN in message:
+            option, _, value = message.partition(self._GIVEN)
+            message = f"{option}takes no value (given: {value})"
         raise UsageError(f"{self.prog}: {message}")
 
 

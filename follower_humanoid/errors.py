@@ -18,9 +18,29 @@ class ConfigurationError(FollowerError):
 class UnknownNameError(ConfigurationError):
     """A name that does not exist; the message lists the valid ones."""
 
-    def __init__(self, kind: str, name: str, valid: Iterable[object]) -> None:
-        listed = ", ".join(sorted(str(v) for v in valid))
-        super().__init__(f"no {kind} '{name}'; valid: {listed}")
+    def __init__(
+        self, kind: str, name: str, valid: Iterable[object], where: object = "", hint: str = ""
+    ) -> None:
+        """Makes the message, such as "FILE: no node 'gate'; valid: leader, simulator".
+
+        Args:
+            kind: What the name should be of.
+            name: The name that does not exist.
+            valid: Those that do.
+            where: File, option or part of it that holds the name.
+            hint: What may have been meant.
+        """
+        place = f"{where}: " if where else ""
+        meant = f" ({hint})" if hint else ""
+        super().__init__(f"{place}no {kind} '{name}'{meant}; valid: {_listed(valid)}")
+
+
+def _listed(names: Iterable[object]) -> str:
+    """Names in their order, in quotes where one of them holds the comma that stands between them."""
+    texts = sorted(str(name) for name in names)
+    if any("," in text for text in texts):
+        texts = [f"'{text}'" for text in texts]
+    return ", ".join(texts) or "none"
 
 
 class PhysicsError(FollowerError):

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from follower_humanoid.bench import __main__ as benchmark
-from follower_humanoid.bench import growth, limits, speed
+from follower_humanoid.bench import growth, limits, speed, standard_tests
 from follower_humanoid.errors import FollowerError
 
 
@@ -30,6 +30,10 @@ from follower_humanoid.errors import FollowerError
         (["--limits", "--only", "nothing"], "no limit 'nothing'; valid: "),
         (["--json", "/no/such/folder/x.json"], "--json /no/such/folder/x.json: no such folder"),
         (["--speed", "--json", "/no/such/folder/x.json"], "--json /no/such/folder/x.json: no such folder"),
+        (["--json", "/tmp"], "--json /tmp: is a folder, needs the name of a file"),
+        (["--tuning", __file__], f"--tuning {__file__}: is not a folder"),
+        (["--tuning", f"{__file__}/below"], f"--tuning {__file__}/below: {__file__} is not a folder"),
+        (["--robust", "--only", "push"], "no scenario 'push'; valid: '0.5 m/s', "),
     ],
 )
 def test_bad_usage_is_told_in_one_line(words, told, capsys):
@@ -51,6 +55,21 @@ def test_a_run_that_ends_badly_is_not_bad_usage(words, monkeypatch, capsys):
     monkeypatch.setattr(benchmark, "simulate", end_badly)
     assert benchmark.main(words) == 1
     assert capsys.readouterr().err == "one follower ended with status 3\n"
+
+
+def test_a_new_folder_for_pictures_is_welcome(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(standard_tests, "STANDARD_TESTS", ())
+    folder = tmp_path / "new" / "pictures"
+    assert benchmark.main(["--tuning", str(folder)]) == 0
+    assert folder.is_dir()
+    assert capsys.readouterr() == ("", "")
+
+
+def test_help_tells_the_exit_statuses(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        benchmark.main(["--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "Exit status: 0 every number holds, 1 some do not, or a run ended badly, 2 bad usage." in told
 
 
 def test_what_is_asked_for_is_run_and_written(monkeypatch, tmp_path, capsys):

@@ -111,6 +111,27 @@ def test_it_can_be_stopped_while_it_starts(place, placement, processes):
         assert running.process.returncode == 0
 
 
+def test_what_only_the_simulator_finds_wrong_is_told_once_and_sums_up_nothing(place):
+    bag = place / "never"
+    words = ("--bag", str(bag), "--ros-args", "-p", "simulator:standing.hip_height:=0.95")
+    ended = run(place, *words)
+    assert ended.process.returncode == 2
+    assert "legs cannot reach the ground" in ended.complained
+    assert ended.complained.count("\n") == 1
+    assert ended.said == ""
+    assert not bag.exists()
+
+
+def test_a_run_that_is_stopped_before_its_first_tick_sums_up_nothing(place):
+    bag = place / "waiting"
+    with bringup(place, "--without", "arm_controller", "--bag", str(bag)) as running:
+        running.wait_for("t = 0.00 s")
+        running.end(signal.SIGINT)
+        assert running.process.returncode == 0
+    assert running.said.splitlines()[-1] == f"no tick was taken; bag: {bag}"
+    assert "the run came to this" not in running.said
+
+
 def test_a_lost_node_is_named(place):
     bag = place / "lost"
     with bringup(place, "--bag", str(bag)) as running:

@@ -141,11 +141,11 @@ FAULTS = {
     ),
     "unknown primitive": (
         phases(single="{primitive: jump}"),
-        "primitive in phase 'swing' 'jump'; valid: bend",
+        "phase 'swing': no primitive 'jump'; valid: bend",
     ),
     "primitive a list": (phases(single="{primitive: [bend]}"), "phase 'swing'"),
-    "unknown key": ("nam: x\n" + phases(), "key in the sequence 'nam'; valid: brisk_time, name, phases"),
-    "unknown key of a phase": (phases().replace("share: 0.6", "share: 0.6, shar: 1"), "phase 'swing' 'shar'"),
+    "unknown key": ("nam: x\n" + phases(), "yaml: no key 'nam'; valid: brisk_time, name, phases"),
+    "unknown key of a phase": (phases().replace("share: 0.6", "share: 0.6, shar: 1"), "': no key 'shar'"),
     "key twice": (phases().replace("share: 0.6", "share: 0.6, share: 0.6"), "'share' is given twice"),
     "brisk time a text": ("brisk_time: soon\n" + phases(), "brisk_time = 'soon'"),
     "brisk time negative": ("brisk_time: -1\n" + phases(), "brisk_time = -1"),
@@ -153,7 +153,7 @@ FAULTS = {
     "primitive a text": (phases(single="bend"), "phase 'swing': a primitive needs a name"),
     "unknown parameter": (
         phases(single="{primitive: bend, hight: 1.0}"),
-        "parameter of bend in phase 'swing' 'hight'; valid: end, height, start",
+        "phase 'swing', bend: no parameter 'hight'; valid: end, height, start",
     ),
     "parameter a text": (
         phases(single="{primitive: bend, height: high}"),

@@ -104,7 +104,7 @@ def test_what_is_missing_is_named(run):
         repeatable(dataclasses.replace(run, about={}))
     with pytest.raises(ConfigurationError, match=r"parameters.yaml in the bag cannot be read"):
         repeatable(dataclasses.replace(run, about={"parameters.yaml": "[1, 2]"}))
-    with pytest.raises(UnknownNameError, match="'resistence'"):
+    with pytest.raises(UnknownNameError, match=r"yaml in the bag: simulator: no parameter 'resistence'; v"):
         repeatable(dataclasses.replace(run, about=about({"simulator": {"resistence": 1.0}})))
     with pytest.raises(ConfigurationError, match="no URDF"):
         repeatable(dataclasses.replace(run, urdf=""))

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import struct
 import threading
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 import pytest
-from bag_messages import START, TICK_NS, write_bag
+from bag_messages import START, TICK_NS, TOPICS, arrivals, write_bag
 from graph_bench import PATIENCE
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from follower_humanoid.bag.recorder import Arrival
+from follower_humanoid.core.cdr import clock_bytes
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.replay.events import CLOCK, READING_AHEAD, Event, events, with_clock
 from follower_humanoid.replay.index import index_bag
@@ -21,14 +25,22 @@ from follower_humanoid.replay.player import Player, PlayOptions
 STORE = get_typestore(Stores.ROS2_JAZZY)
 
 
-def foreign_bag(folder: Path, count: int = 20, storage: StoragePlugin = StoragePlugin.MCAP) -> Path:
-    """A bag that other software wrote."""
+def foreign_bag(
+    folder: Path,
+    count: int = 20,
+    storage: StoragePlugin = StoragePlugin.MCAP,
+    beside: Mapping[str, Sequence[int]] = MappingProxyType({}),
+) -> Path:
+    """A bag that other software wrote: `/chatter` every 10 ms, and other topics at the given [ms]."""
     text = STORE.types["std_msgs/msg/String"]
+    moments = {"/chatter": [10 * number for number in range(count)], **beside}
     with Writer(folder, version=9, storage_plugin=storage) as writer:
-        topic = writer.add_connection("/chatter", "std_msgs/msg/String", typestore=STORE)
-        for number in range(count):
-            data = STORE.serialize_cdr(text(data=f"hello {number}"), "std_msgs/msg/String")
-            writer.write(topic, START + number * 10_000_000, bytes(data))
+        topics = {
+            name: writer.add_connection(name, "std_msgs/msg/String", typestore=STORE) for name in moments
+        }
+        for moment, name in sorted((moment, name) for name, own in moments.items() for moment in own):
+            data = STORE.serialize_cdr(text(data=f"hello at {moment}"), "std_msgs/msg/String")
+            writer.write(topics[name], START + moment * 1_000_000, bytes(data))
     return folder
 
 
@@ -104,7 +116,7 @@ def test_topics_are_chosen_and_the_clock_goes_with_them(tmp_path):
     assert Player(index, PlayOptions(bag, topics=("odom",)), index.topics).topics == {"/odom"}
     without = Player(index, PlayOptions(bag, without=("/odom",)), index.topics).topics
     assert without == index.topics.keys() - {"/odom"}
-    with pytest.raises(UnknownNameError, match=r"'/nothing'; valid: .*/odom"):
+    with pytest.raises(UnknownNameError, match=r"^bag .*bag: no topic '/nothing'; valid: .*/odom"):
         Player(index, PlayOptions(bag, topics=("/nothing",)), index.topics)
     for option in ("--start", "--start-offset"):
         with pytest.raises(ConfigurationError, match=f"^{option} 5: bag .* ends after"):
@@ -119,6 +131,47 @@ def test_a_start_behind_a_single_message_is_refused(tmp_path):
     Player(index, PlayOptions(tmp_path / "one"), index.topics)
     with pytest.raises(ConfigurationError, match="ends after"):
         Player(index, PlayOptions(tmp_path / "one", start=0.5), index.topics)
+
+
+@pytest.mark.parametrize("storage", [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+@pytest.mark.parametrize(
+    ("topics", "start", "duration", "told"),
+    [
+        (("early", "earlier"), 0.1, None, "^--start 0.1: bag .* holds no /earlier, /early after 0.040 s"),
+        (("early",), 0.0401, 0.1, "^--start 0.0401: bag .* holds no /early after 0.040 s"),
+        (("late",), 0.01, 0.1, "^--start 0.01: bag .* holds no /late until 0.180 s, after the 0.1 s to play"),
+        (("late",), 0.0, 0.1, "^bag .* holds no /late until 0.180 s, after the 0.1 s to play"),
+        (("silent",), 0.0, None, "^bag .* holds no /silent$"),
+        (("silent",), 0.1, None, "^--start 0.1: bag .* holds no /silent$"),
+        (("late",), 0.18, None, ""),
+        (("late",), 0.1, 0.08, ""),
+        (("early",), 0.04, None, ""),
+        (("early", "late"), 0.1, None, ""),
+        ((), 0.18, None, ""),
+    ],
+)
+def test_when_nothing_is_left_to_play_a_loop_does_not_begin(tmp_path, storage, topics, start, duration, told):
+    beside = {"/early": [20, 40], "/earlier": [10], "/late": [180], "/silent": []}
+    bag = foreign_bag(tmp_path / "bag", storage=storage, beside=beside)
+    index = index_bag(bag)
+    options = PlayOptions(bag, 50.0, loop=True, topics=topics, start=start, duration=duration)
+    if told:
+        with pytest.raises(ConfigurationError, match=told):
+            Player(index, options, index.topics)
+        return
+    player = Player(index, options, index.topics)
+    player.run(lambda topic, data: player.pace.stop() if topic != "/clock" else None)
+    assert player.sent >= 1
+
+
+def test_a_clock_alone_is_not_played(tmp_path):
+    moments = [START + tick * TICK_NS for tick in range(40)]
+    clock = [Arrival(TOPICS["clock"], clock_bytes(moment), moment, moment) for moment in moments]
+    bag = write_bag(tmp_path / "bag", made=sorted([*arrivals(20), *clock], key=lambda a: a.received))
+    index = index_bag(bag)
+    with pytest.raises(ConfigurationError, match=r"holds no /com after 0\.03. s"):
+        Player(index, PlayOptions(bag, loop=True, topics=("com",), start=0.05), index.topics)
+    assert Player(index, PlayOptions(bag, topics=("clock",), start=0.05), index.topics).topics == {"/clock"}
 
 
 def test_a_loop_goes_on_until_stopped(tmp_path):

@@ -14,7 +14,6 @@ from typing import Any
 import pytest
 import rclpy
 from bag_messages import START, TICK_NS, write_bag
-from geometry_msgs.msg import PointStamped
 from graph_bench import PATIENCE, free_domain, wait_until
 from nav_msgs.msg import Odometry
 from rclpy.experimental.events_executor import EventsExecutor
@@ -23,6 +22,7 @@ from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
+from follower_humanoid.nodes.replay import main
 from follower_humanoid.replay.events import events
 from follower_humanoid.replay.index import index_bag
 
@@ -178,16 +178,18 @@ def test_names_are_remapped_and_sigterm_ends_it(listener, bag):
 
 
 def test_it_plays_nothing_that_somebody_publishes_already(listener, bag):
-    alive = listener.node.create_publisher(PointStamped, "/com", 10)
+    other = start(str(bag), "--topics", "com", "--paused")
+    assert wait_until(lambda: listener.node.count_publishers("/com") == 1)
     replay = start(str(bag))
     _, errors = replay.communicate(timeout=PATIENCE)
     assert replay.returncode == 2
-    assert "/com is published by listener already" in errors
+    assert "/com is published by replay already" in errors
     assert listener.listen_for(0.0) == 0
     replay = start(str(bag), "--topics", "odom", "--loop")
     listener.wait_for(10)
     end(replay, signal.SIGTERM)
-    listener.node.destroy_publisher(alive)
+    assert listener.heard["/clock"] == []  # left to who keeps it
+    end(other, signal.SIGTERM)
 
 
 @pytest.mark.parametrize(
@@ -195,9 +197,12 @@ def test_it_plays_nothing_that_somebody_publishes_already(listener, bag):
     [
         (["/no/such/bag"], "bag /no/such/bag does not exist"),
         (["BAG", "--rate", "fast"], "--rate: 'fast': needs a number"),
-        (["BAG", "--rate", "-1"], "--rate"),
+        (["BAG", "--rate", "-1"], "--rate: '-1': needs a number greater than 0"),
+        (["BAG", "--rate", "0"], "--rate: '0': needs a number greater than 0"),
+        (["BAG", "--start", "-1"], "--start: '-1': needs a number from 0 on"),
+        (["BAG", "--loop=yes"], "argument --loop: takes no value (given: 'yes')"),
         (["BAG", "--start", "1000"], "--start 1000: bag {bag} ends after"),
-        (["BAG", "--topics", "/nothing"], "no topic in bag"),
+        (["BAG", "--topics", "/nothing"], "bag {bag}: no topic '/nothing'; valid: "),
         (["BAG", "--wrong"], "no such argument: --wrong"),
         (["BAG", "--simulate"], "carries no parameters.yaml"),
         (["BAG", "--simulate", "--rate", "3"], "--rate has no use with --simulate"),
@@ -216,3 +221,11 @@ def test_what_cannot_be_played_is_told_in_one_line(bag, words, told):
     assert told.replace("{bag}", str(bag)) in errors
     assert errors.strip().splitlines()[-1].find("Traceback") < 0
     assert "Traceback" not in errors
+
+
+def test_help_tells_which_times_are_meant(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "recorded seconds a second, by the recording's wall clock (default: 1)" in told
+    assert "leave out the first seconds, by the recording's wall clock" in told

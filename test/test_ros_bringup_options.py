@@ -149,6 +149,7 @@ def write_urdf_without(*frames):
 
 
 TOO_LONG = "a" * 300  # for a file's name
+PROGRAMMES = "; valid: fig4, fig5, none, or a YAML file"
 
 BAD = {
     "option": (lambda: ["--colour", "red"], "no such argument: --colour", "--duration"),
@@ -159,19 +160,50 @@ BAD = {
     "duration nan": (lambda: ["--duration", "nan"], "'nan'", "greater than 0"),
     "duration beyond": (lambda: ["--duration", "1e8"], "duration = 100000000.0", "10000000.0 s"),
     "duration missing": (lambda: ["--duration"], "--duration", "expected one argument"),
-    "leader": (lambda: ["--leader", "fig6"], "fig6", "fig4, fig5"),
-    "leader left out": (lambda: ["--leader", "fig6", "--without", "leader"], "fig6", "fig4, fig5"),
-    "leader too long": (lambda: ["--leader", TOO_LONG], "no force programme", "fig4, fig5"),
+    "leader": (lambda: ["--leader", "fig6"], "fig6", PROGRAMMES),
+    "leader in capitals": (lambda: ["--leader", "NONE"], "no force programme 'NONE'", PROGRAMMES),
+    "leader left out": (lambda: ["--leader", "fig6", "--without", "leader"], "fig6", PROGRAMMES),
+    "leader too long": (lambda: ["--leader", TOO_LONG], "no force programme", PROGRAMMES),
+    "leader by parameter": (lambda: ["--ros-args", "-p", "programme:=fig6"], "'fig6'", PROGRAMMES),
     "leader file": (lambda: ["--leader", write("- {until: 1, up: [1, 2, 3]}")], "up", "left"),
     "leader not yaml": (lambda: ["--leader", write("- {until: ")], "file.yaml", "YAML"),
-    "node": (lambda: ["--without", "viewer"], "viewer", "gait_mapping"),
+    "switch with a value": (lambda: ["--open=yes"], "argument --open: takes no value", "'yes'"),
+    "node": (lambda: ["--without", "legs"], "--without: no node 'legs'; valid: ", "gait_mapping"),
+    "viewer": (lambda: ["--without", "viewer"], "'viewer' (it runs with --view only); valid: ", "leader"),
+    "recorder": (lambda: ["--without", "recorder"], "'recorder' (--bag none leaves it out)", "valid: arm"),
+    "nodes": (
+        lambda: ["--without", "leader, gate"],
+        "no node 'leader, gate' (one at a time: --without leader --without gate)",
+        "valid: arm_controller, ",
+    ),
     "namespace": (lambda: ["--namespace", "2 robots"], "2 robots", "letters"),
     "params missing": (lambda: ["--params", "gone.yaml"], "gone.yaml", "no such file"),
     "params node": (lambda: ["--params", write("gate: {ros__parameters: {a: 1}}")], "gate", "gait_mapping"),
     "params name": (
         lambda: ["--params", write("simulator: {ros__parameters: {gravity: 1}}")],
-        "gravity",
+        "file.yaml: simulator: no parameter 'gravity'; valid: ",
         "tick",
+    ),
+    "params tick": (
+        lambda: [
+            "--params",
+            write("/**/simulator: {ros__parameters: {physics_step: 0.0007}}"),
+            "--ros-args",
+            "-p",
+            "tick:=0.0025",
+        ],
+        "file.yaml, --ros-args -p: simulator: physics_step = 0.0007 s: the control tick of 0.0025 s must be",
+        "such as 0.000625 s",
+    ),
+    "params tick alone": (
+        lambda: ["--ros-args", "-p", "tick:=0.0025"],
+        "--ros-args -p: simulator: physics_step = 0.001 s",
+        "such as 0.0008333333333333334 s",
+    ),
+    "params ticks": (
+        lambda: ["--params", write("simulator: {ros__parameters: {tick: 0.004}}")],
+        "file.yaml: simulator: tick = 0.004 s",
+        "valid: one for all nodes, as the 0.002 s of the others",
     ),
     "params range": (
         lambda: ["--params", write("simulator: {ros__parameters: {ground.friction: -1}}")],
@@ -205,7 +237,11 @@ BAD = {
         "recorder: bag",
         "exists already",
     ),
-    "ros parameter": (lambda: ["--ros-args", "-p", "gravity:=1"], "gravity", "tick"),
+    "ros parameter": (lambda: ["--ros-args", "-p", "gravity:=1"], "-p: no parameter 'gravity'", "tick"),
+    "ros parameter of a node": (
+        lambda: ["--ros-args", "-p", "leader:speed:=1"], "-p: leader: no parameter 'speed'", "programme",
+    ),
+    "ros node": (lambda: ["--ros-args", "-p", "gate:a:=1"], "--ros-args -p: no node 'gate'", "leader"),
     "ros parameter form": (lambda: ["--ros-args", "-p", "tick"], "tick", "NAME:=VALUE"),
     "ros remap": (lambda: ["--ros-args", "-r", "nonsense"], "nonsense", "--ros-args"),
     "bag taken": (lambda: ["--bag", str(Path("file.yaml").parent)], "exists already", "new folder"),

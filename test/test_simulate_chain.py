@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import weakref
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -181,6 +182,71 @@ def test_bad_parameters_are_refused_before_anything_runs() -> None:
         simulate("none", 0.01, {"zmp_balance": {"dcm.proportional": -1.0}})
     with pytest.raises(ConfigurationError):
         simulate("no_such_programme", 0.01)
+
+
+BAD = {
+    "node": ({"parameters": {"zmp_balanc": {}}}, r"no node 'zmp_balanc'; valid: arm_.*zmp_balance"),
+    "node of an experiment": ({"parameters": {"arm_task": {}}}, "no node 'arm_task'; valid: arm_controller"),
+    "dotted": ({"parameters": {"zmp_balance.law": "paper"}}, r"no node 'zmp_balance\.law'; valid: "),
+    "no mapping": (
+        {"parameters": {"zmp_balance": "paper"}},
+        "parameters: zmp_balance = 'paper': needs a mapping of parameter names to values",
+    ),
+    "no name": (
+        {"parameters": {"zmp_balance": {3: "paper"}}},
+        "zmp_balance: no parameter '3'; valid: .*law",
+    ),
+    "no mapping at all": ({"parameters": ["zmp_balance"]}, "parameters = .*: needs a mapping of nodes to"),
+    "last node": ({"parameters": {"arm_controller": {"mode": "soft"}}}, "arm_controller: mode = 'soft'"),
+    "leader": ({"leader": None}, "leader = None: valid: the name of a force programme, none, or"),
+    "leader empty": ({"leader": ""}, "not a file"),
+    "leader that is none": ({"leader": "fig6"}, "no force programme 'fig6'; valid: fig4, fig5, or"),
+    "duration negative": ({"duration": -1.0}, r"duration = -1\.0: valid: .*0\.002 to 1e\+07 s"),
+    "duration zero": ({"duration": 0}, r"duration = 0: valid: 0\.002 to"),
+    "duration below a tick": ({"duration": 0.0009}, r"duration = 0\.0009: valid: 0\.002 to"),
+    "duration nan": ({"duration": float("nan")}, "duration = nan: valid: "),
+    "duration endless": ({"duration": float("inf")}, "duration = inf: valid: "),
+    "duration a text": ({"duration": "22"}, "duration = '22': valid: "),
+    "tick": ({"tick": 0.0}, r"tick = 0\.0: valid: 0\.001 to 0\.02 s"),
+    "tick of no steps": ({"tick": 0.0015}, r"physics_step = 0\.001 s: the control tick of 0\.0015 s must be"),
+    "tick a text": ({"tick": "fast"}, "tick = 'fast': needs a number"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_cannot_be_simulated_is_refused_before_there_is_a_world(
+    case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("follower_humanoid.plant.simulator.World", None)
+    arguments, told = BAD[case]
+    with pytest.raises(ConfigurationError, match=told):
+        simulate(**{"leader": "none", "duration": 0.01, **arguments})
+
+
+def test_nodes_that_a_chain_does_not_have_are_refused() -> None:
+    with pytest.raises(UnknownNameError, match=r"without: no node 'ledaer'; valid: .*leader"):
+        Chain(without=("ledaer",))
+    with pytest.raises(UnknownNameError, match=r"more: no node 'arm_tasks'; valid: arm_task$"):
+        Chain(more=("arm_tasks",))
+    with pytest.raises(ConfigurationError, match="without = 'leader': needs a tuple of names, of leader, "):
+        Chain(without="leader")  # type: ignore[arg-type]
+    with pytest.raises(UnknownNameError, match=r"'simulator' \(nothing moves without it\); valid: arm_"):
+        Chain(without=("simulator",))
+    # Parameters of a node that is left out do no harm: what is simulated again has them too.
+    chain = Chain({"leader": {"programme": "fig5"}}, without=("leader", "arm_task"))
+    try:
+        with pytest.raises(UnknownNameError, match=r"no node 'legs'; valid: .*leg_controller"):
+            chain.adjust("legs", {})
+    finally:
+        chain.close()
+
+
+def test_a_programme_may_be_a_path(tmp_path: Path) -> None:
+    file = tmp_path / "pull.yaml"
+    file.write_text("- {until: 1, left: [5, 0, 0]}")
+    runs = [simulate(leader, 0.03) for leader in (file, str(file))]
+    assert runs[0]["leader/left_hand/wrench"].force[0].tolist() == [5.0, 0.0, 0.0]
+    assert runs[0].joint_hash() == runs[1].joint_hash()
 
 
 def test_a_fall_ends_the_run() -> None:

@@ -9,6 +9,7 @@ viewer takes; whether joint positions are the same bit for bit.
 
 from __future__ import annotations
 
+import argparse
 import socket
 import sys
 import tempfile
@@ -27,6 +28,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from follower_humanoid.bench.placement import Listener, Placed
+from follower_humanoid.command_line import count, positive
 
 TICK = 0.002
 # Pages that read and pages that do not; None: no viewer.
@@ -154,8 +156,23 @@ def run(listener: Listener, pages: tuple[int, int] | None, seconds: float) -> Ru
             return Run(placed, clock.share(0.8 * wall), sum(page.heard for page in open_pages))
 
 
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description="What the viewer costs, and whether anybody notices it: runs with and without it in turn."
+    )
+    add = parser.add_argument
+    kinds = f"of the {len(KINDS)} kinds of run"
+    add("rounds", nargs="?", type=count, default=3, metavar="ROUNDS", help=f"{kinds}, from 1 on (default: 3)")
+    add("seconds", nargs="?", type=positive, default=6.0, metavar="SECONDS", help="simulated (default: 6)")
+    given = parser.parse_args()
+    if not given.rounds:
+        parser.error("argument ROUNDS: '0': needs a whole number from 1 on")
+    return given
+
+
 def main() -> int:
-    rounds, seconds = int((*sys.argv[1:], 3)[0]), float((*sys.argv[1:], 0, 6.0)[1] or 6.0)
+    given = arguments()
+    rounds, seconds = given.rounds, given.seconds
     listener = Listener()
     runs: dict[str, list[Run]] = {kind: [] for kind in KINDS}
     try:

@@ -8,6 +8,7 @@ reported, and their ratio.
 
 from __future__ import annotations
 
+import argparse
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from viewer_cost import Visit, free_port
 
+from follower_humanoid.command_line import count, positive
 from follower_humanoid.resources import node_command
 
 REPORTS = 5  # of the simulator, one a second, between opening and closing
@@ -56,9 +58,20 @@ def ticks(options: Sequence[str], port: int) -> Iterator[tuple[float, int]]:
     rclpy.shutdown()
 
 
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description="Whether an open page makes a graph slower: pages open and close in turn in one run."
+    )
+    add = parser.add_argument
+    add("seconds", nargs="?", type=positive, default=60.0, metavar="SECONDS", help="simulated (default: 60)")
+    add("pages", nargs="?", type=count, default=1, metavar="PAGES", help="opened at a time (default: 1)")
+    add("options", nargs=argparse.REMAINDER, metavar="OPTIONS", help="of bringup, e.g. --composed")
+    return parser.parse_args()
+
+
 def main() -> int:
-    seconds, pages = float((*sys.argv[1:], 60)[0]), int((*sys.argv[1:], 0, 1)[1] or 1)
-    options = ["--leader", "fig4", "--bag", "none", "--duration", f"{seconds:g}", *sys.argv[3:]]
+    given = arguments()
+    options = ["--leader", "fig4", "--bag", "none", "--duration", f"{given.seconds:g}", *given.options]
     port = free_port()
     times: dict[bool, list[float]] = {False: [], True: []}
     is_open, reports = False, 0
@@ -70,8 +83,11 @@ def main() -> int:
             if reports > REPORTS:
                 is_open, reports = not is_open, 0
                 stack.pop_all().close()
-                for _ in range(pages if is_open else 0):
+                for _ in range(given.pages if is_open else 0):
                     stack.callback(Visit(port, True).close)
+    if not (times[False] and times[True]):
+        print(f"too short: pages open and close every {REPORTS} s of the wall's clock", file=sys.stderr)
+        return 1
     for state, name in ((False, "closed"), (True, "open")):
         print(f"{name}: {median(times[state]) * 1e6:.0f} µs a tick, {len(times[state])} reports")
     print(f"ratio {median(times[True]) / median(times[False]):.3f}")

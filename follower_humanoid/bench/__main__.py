@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 import functools
 import json
+import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -49,7 +50,11 @@ def _complain(error: FollowerError, status: int) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(prog="benchmark", description=__doc__)
+    parser = Parser(
+        prog="benchmark",
+        description=__doc__,
+        epilog="Exit status: 0 every number holds, 1 some do not, or a run ended badly, 2 bad usage.",
+    )
     parser.add_argument(
         "--only", action="append", default=[], metavar="NAME", help="run this scenario; repeatable"
     )
@@ -74,6 +79,7 @@ def _chosen(options: argparse.Namespace) -> Callable[[], int]:
     """
     _refuse_unused(options)
     _check_writable(options.json)
+    _check_folder(options.tuning)
     if options.tuning is not None:
         return functools.partial(_draw, options.tuning)
     if options.speed:
@@ -178,8 +184,22 @@ def _until_a_fall(checks: Iterator[Check]) -> list[Check]:
 
 
 def _check_writable(path: Path | None) -> None:
-    if path is not None and not path.resolve().parent.is_dir():
+    if path is None:
+        return
+    if not os.path.isdir(os.path.dirname(os.path.realpath(path))):
         raise ConfigurationError(f"--json {path}: no such folder")
+    if os.path.isdir(path):
+        raise ConfigurationError(f"--json {path}: is a folder, needs the name of a file")
+
+
+def _check_folder(path: Path | None) -> None:
+    if path is None:
+        return
+    if os.path.lexists(path) and not os.path.isdir(path):
+        raise ConfigurationError(f"--tuning {path}: is not a folder")
+    above = next(place for place in (path, *path.absolute().parents) if os.path.exists(place))
+    if not os.path.isdir(above) or not os.access(above, os.W_OK | os.X_OK):
+        raise ConfigurationError(f"--tuning {path}: {above} is not a folder that can be written to")
 
 
 def _write(path: Path | None, table: dict[str, list[Check]]) -> None:

@@ -130,7 +130,7 @@ def build(config_class: type[ConfigT], values: Mapping[str, Any], where: str = "
     known = {info.name: info for info in parameters_of(config_class)}
     for name in values:
         if name not in known:
-            raise UnknownNameError(f"parameter in {where or config_class.__name__}", name, known)
+            raise UnknownNameError("parameter", name, known, where or config_class.__name__)
     checked = {name: known[name].checked(value, where) for name, value in values.items()}
     return _assemble(config_class, checked, "")
 

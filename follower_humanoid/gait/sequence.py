@@ -160,7 +160,7 @@ def load_sequence(path: str = "") -> Sequence:
     try:
         if not isinstance(document, dict) or not isinstance(document.get("phases"), list):
             raise ConfigurationError("needs 'name' and a list 'phases'")
-        _only_known(document, ("name", "phases", "brisk_time"), "the sequence")
+        _only_known(document, ("name", "phases", "brisk_time"))
         phases = tuple(_phase(entry, number) for number, entry in enumerate(document["phases"], start=1))
         brisk = _number(document.get("brisk_time", 0.0), "brisk_time")
         if brisk < 0.0:
@@ -170,10 +170,10 @@ def load_sequence(path: str = "") -> Sequence:
         raise ConfigurationError(f"sequence {file}: {error}") from None
 
 
-def _only_known(entry: dict[Any, Any], names: tuple[str, ...], where: str) -> None:
+def _only_known(entry: dict[Any, Any], names: tuple[str, ...], where: str = "") -> None:
     for name in entry:
         if name not in names:
-            raise UnknownNameError(f"key in {where}", str(name), names)
+            raise UnknownNameError("key", str(name), names, where)
 
 
 def _phase(entry: Any, number: int) -> Phase:
@@ -193,7 +193,7 @@ def _primitive(entry: Any, phase: str) -> Primitive:
         raise ConfigurationError(f"phase '{phase}': a primitive needs a name, as in {{primitive: bend}}")
     word = str(entry["primitive"])
     if word not in PRIMITIVES:
-        raise UnknownNameError(f"primitive in phase '{phase}'", word, PRIMITIVES)
+        raise UnknownNameError("primitive", word, PRIMITIVES, f"phase '{phase}'")
     kind = PRIMITIVES[word]
     fields = [field.name for field in dataclasses.fields(kind)]
     values: dict[str, float] = {}
@@ -201,7 +201,7 @@ def _primitive(entry: Any, phase: str) -> Primitive:
         if key == "primitive":
             continue
         if key not in fields:
-            raise UnknownNameError(f"parameter of {word} in phase '{phase}'", str(key), fields)
+            raise UnknownNameError("parameter", str(key), fields, f"phase '{phase}', {word}")
         values[key] = _number(value, f"phase '{phase}', {word}: {key}")
     return kind(**values)
 

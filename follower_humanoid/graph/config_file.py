@@ -61,7 +61,7 @@ def _read(path: Path, namespace: str) -> Parameters:
     for key, values in blocks:
         nodes = [node for node in node_names() if _matches(key, node, namespace)]
         if not nodes:
-            raise UnknownNameError(f"node (in {path})", key, node_names())
+            raise UnknownNameError("node", key, node_names(), path)
         known = {node: node_parameters(node) for node in nodes}
         for name, value in values.items():
             for node, checked in _checked(known, name, value, f"{path}: {key}").items():
@@ -127,7 +127,7 @@ def _checked(
     having = {node: infos[name] for node, infos in known.items() if name in infos}
     if not having:
         valid = {valid for infos in known.values() for valid in infos}
-        raise UnknownNameError(f"parameter (in {where})", name, valid)
+        raise UnknownNameError("parameter", name, valid, where)
     try:
         return {node: info.checked(value, where) for node, info in having.items()}
     except OverflowError as error:  # a whole number beyond the floating-point range

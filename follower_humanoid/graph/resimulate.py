@@ -132,7 +132,7 @@ def _component_parameters(
         known = node_parameters(name)
         for parameter in given:
             if parameter not in known:
-                raise UnknownNameError(f"parameter of {name} (in the bag)", parameter, known)
+                raise UnknownNameError("parameter", parameter, known, f"{PARAMETERS} in the bag: {name}")
         own = {info.name for info in parameters_of(node.component_class().Config)}
         parameters[name] = {parameter: value for parameter, value in given.items() if parameter in own}
     return parameters
@@ -154,7 +154,8 @@ def _adjusted(
         adjustable = {info.name for info in parameters_of(config) if not info.read_only}
         for name in change.values:
             if name not in adjustable:
-                raise UnknownNameError(f"parameter of {change.node} changed in the bag", name, adjustable)
+                where = f"changed during the recorded run: {change.node}"
+                raise UnknownNameError("adjustable parameter", name, adjustable, where)
         values[change.node].update(change.values)
         build(config, values[change.node], change.node)
         found.append(change)

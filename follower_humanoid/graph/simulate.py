@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import gc
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from follower_humanoid.core.config import build
+from follower_humanoid.errors import UnknownNameError
+from follower_humanoid.graph.chain_arguments import check_choice, check_parameters, programme_of, ticks_of
+from follower_humanoid.graph.graph_config import LEADER, GraphConfig
 from follower_humanoid.graph.record import Adjusted, Run, RunRecorder
 from follower_humanoid.graph.wiring import (
     NODES,
@@ -77,18 +79,28 @@ class Chain:
             interference: Called with (topic, tick, sample) for every sample; what it returns flows on in
                 its place, as if another node published there.
             more: Nodes besides those that always run.
+
+        Raises:
+            ConfigurationError: A parameter, a node's name or the tick cannot be used.
         """  # fmt: skip
-        self.tick_length = tick
+        check_choice(without, more)
+        table = nodes_with(more)
+        self._parameters = {} if parameters is None else parameters
+        check_parameters(self._parameters, table)
+        self.tick_length = build(GraphConfig, {"tick": tick}).tick
+        self.nodes = [node for node in table.values() if node.name not in without]
+        configs = [self._config(node) for node in self.nodes]  # all of them before there is a world
         self.robot = RobotModel(urdf)
-        self._parameters = parameters or {}
         self._interference = interference
-        self.nodes = [node for node in nodes_with(more).values() if node.name not in without]
-        self.components = {node.name: self._make(node) for node in self.nodes}
+        self.components: dict[str, Any] = {
+            node.name: node.make(config, self.robot, self.tick_length)
+            for node, config in zip(self.nodes, configs, strict=True)
+        }
         self.simulator = self.components[SIMULATOR]
         self._flow: dict[int, dict[str, Any]] = {}  # tick → topic → sample
         self._used: dict[int, Samples] = {}  # period of their makers, or 0 → samples used at this tick
         self._wires = {node.name: _Wires(node) for node in self.nodes}
-        self.recorder = RunRecorder(tick, self.robot.joint_names, self.robot.urdf)
+        self.recorder = RunRecorder(self.tick_length, self.robot.joint_names, self.robot.urdf)
         self.tick = 0
         gc.freeze()  # what exists now stays: collections during the run need not look at it again
 
@@ -108,8 +120,10 @@ class Chain:
         """Changes parameters of a running component, as on a running node: the next tick uses them.
 
         Raises:
-            ConfigurationError: A value cannot be used.
+            ConfigurationError: No such node, or a value cannot be used.
         """
+        if node not in self.components:
+            raise UnknownNameError("node", node, self.components)
         merged = {**self._parameters.get(node, {}), **values}
         component = self.components[node]
         component.reconfigure(build(type(component).Config, merged, node))
@@ -126,8 +140,10 @@ class Chain:
         self.simulator.close()
 
     def _make(self, node: NodeWiring) -> Any:
-        config = build(node.component_class().Config, self._parameters.get(node.name, {}), node.name)
-        return node.make(config, self.robot, self.tick_length)
+        return node.make(self._config(node), self.robot, self.tick_length)
+
+    def _config(self, node: NodeWiring) -> Any:
+        return build(node.component_class().Config, self._parameters.get(node.name, {}), node.name)
 
     def _is_idle(self, node: NodeWiring) -> bool:
         """Whether a node takes no step at this tick and has nothing to say."""
@@ -156,7 +172,7 @@ class Chain:
 
 
 def simulate(
-    leader: str = "fig4",
+    leader: str | Path = "fig4",
     duration: float = 22.0,
     parameters: Parameters | None = None,
     *,
@@ -169,21 +185,26 @@ def simulate(
 
     Args:
         leader: Force programme: built-in name, YAML file, or `none`.
-        duration: Simulated time [s].
+        duration: Simulated time, a tick at least [s].
         parameters: See `Chain`.
         tick: Control tick [s].
         urdf: See `Chain`.
         interference: See `Chain`.
         stop_at_fall: End when the robot has fallen.
+
+    Raises:
+        ConfigurationError: An argument cannot be used.
     """  # fmt: skip
-    settings = {name: dict(values) for name, values in (parameters or {}).items()}
-    without = ("leader",) if leader == "none" else ()
-    if not without:
-        programme = str(Path(leader).absolute()) if os.sep in leader else leader
-        settings.setdefault("leader", {}).setdefault("programme", programme)
+    settings = {} if parameters is None else parameters
+    check_parameters(settings, NODES)
+    programme = programme_of(leader)
+    if programme is not None:
+        settings = {**settings, LEADER: {"programme": programme, **settings.get(LEADER, {})}}
+    ticks = ticks_of(duration, build(GraphConfig, {"tick": tick}).tick)
+    without = (LEADER,) if programme is None else ()
     chain = Chain(settings, tick, urdf, without, interference)
     try:
-        for _ in range(round(duration / tick)):
+        for _ in range(ticks):
             chain.advance()
             if stop_at_fall and chain.simulator.fall is not None:
                 break

@@ -10,12 +10,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from follower_humanoid.command_line import Parser, split_ros_args
+from follower_humanoid.command_line import Parser, positive, split_ros_args
+from follower_humanoid.early_stop import stop_at_a_signal
 from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError
 
 if TYPE_CHECKING:
     from follower_humanoid.graph.resimulate import Keep
 
+_RATE = "recorded seconds a second, by the recording's wall clock (default: 1)"
+_START = "leave out the first seconds, by the recording's wall clock"
 _FOR_PLAYING = ("rate", "loop", "topics", "start", "paused")
 _FOR_SIMULATING = {
     "bag_out": "--bag needs --simulate: what is only played is in a bag already",
@@ -25,6 +28,8 @@ _FOR_SIMULATING = {
 
 def main(args: list[str] | None = None) -> int:
     """Plays or simulates; returns the exit status."""
+    if args is None:  # a program of its own
+        stop_at_a_signal()
     try:
         own, ros_args = split_ros_args(sys.argv[1:] if args is None else args)
         parser = _parser()
@@ -53,7 +58,8 @@ def _run(given: argparse.Namespace, ros_args: list[str]) -> int:
     if given.simulate:
         from follower_humanoid.replay.again import simulate_again
 
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.default_int_handler)
         return simulate_again(given.bag, given.namespace, given.verify, _keep(given))
     from follower_humanoid.replay.player import PlayOptions
     from follower_humanoid.ros.replay_node import play
@@ -86,23 +92,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("bag", metavar="BAG", type=Path, help="bag folder or .mcap file, of any ROS 2 recorder")
-    add("--rate", type=_above_zero, default=1.0, metavar="R", help="recorded seconds a second (default: 1)")
+    add("--rate", type=positive, default=1.0, metavar="R", help=_RATE)
     add("--loop", action="store_true", help="again and again")
     add("--topics", nargs="+", metavar="TOPIC", help="only these, and the clock (default: all)")
-    add("--start", type=_from_zero, default=0.0, metavar="S", help="leave out the first seconds")
+    add("--start", type=_from_zero, default=0.0, metavar="S", help=_START)
     add("--simulate", action="store_true", help="run the simulation again from the bag's parameters")
     add("--verify", action="store_true", help="and compare joint positions bit for bit (with --simulate)")
     add("--bag", dest="bag_out", type=Path, metavar="DIR", help="record the new run (with --simulate)")
     add("--namespace", metavar="NS", help="which robot to simulate, where the bag holds several")
     add("--paused", action="store_true", help="begin with a pause")
     return parser
-
-
-def _above_zero(text: str) -> float:
-    value = _from_zero(text)
-    if value == 0.0:
-        raise argparse.ArgumentTypeError(f"'{text}': needs a number greater than 0")
-    return value
 
 
 def _from_zero(text: str) -> float:

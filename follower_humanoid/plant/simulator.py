@@ -9,12 +9,12 @@ import numpy as np
 
 from follower_humanoid.core.config import parameter
 from follower_humanoid.core.samples import Inertial, Joints, Odometry, Wrench
-from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.plant.board import Board, BoardConfig
 from follower_humanoid.plant.drives import Drives, HoldConfig
 from follower_humanoid.plant.falls import Fall, FallWatch
 from follower_humanoid.plant.held_place import WORLD_NAMES, HeldPlace
 from follower_humanoid.plant.motors import MotorConfig
+from follower_humanoid.plant.physics_steps import physics_steps
 from follower_humanoid.plant.plant_urdf import BodyErrorConfig
 from follower_humanoid.plant.pull_limits import PullLimiter, PullLimits
 from follower_humanoid.plant.robot_plant import RobotPlant
@@ -115,13 +115,7 @@ class Simulator:
         Raises:
             ConfigurationError: The tick is no whole number of physics steps, or no posture exists.
         """
-        ratio = period / config.physics_step
-        self._steps = round(ratio)
-        if self._steps < 1 or abs(ratio - self._steps) > 1e-6:
-            raise ConfigurationError(
-                f"physics_step = {config.physics_step} s: the control tick of {period} s "
-                f"must be a whole number of physics steps"
-            )
+        self._steps = physics_steps(period, config.physics_step)
         self._robot, self._period = robot, period
         self.world = World(config.physics_step, Ground(config.ground))
         try:

@@ -72,7 +72,7 @@ class BagIndex:
         """
         wanted = frozenset(name if name.startswith("/") else f"/{name}" for name in names)
         for name in sorted(wanted - self.topics.keys()):
-            raise UnknownNameError(f"topic in bag {self.path}", name, self.topics)
+            raise UnknownNameError("topic", name, self.topics, f"bag {self.path}")
         return wanted or frozenset(self.topics)
 
 

@@ -81,5 +81,5 @@ class Pace:
                     continue
                 left = (recorded - self._recorded) / self.rate - (self._now() - self._wall)
                 if left > 0.0:
-                    self._changed.wait(left / 1e9)
+                    self._changed.wait(min(left / 1e9, threading.TIMEOUT_MAX))
         return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,7 +60,8 @@ class Player:
         """Args: the bag, the options, and the topics whose type is known here.
 
         Raises:
-            ConfigurationError: A topic that is not in the bag, or a start behind its end.
+            ConfigurationError: A topic that is not in the bag, a start behind its end, or nothing to play
+                from there on.
         """
         if options.start > 0.0 and options.start >= index.duration:
             raise ConfigurationError(
@@ -77,6 +79,8 @@ class Player:
         self.topics = (chosen | also) & frozenset(playable)
         if not chosen & frozenset(playable):
             raise ConfigurationError(f"bag {index.path} holds nothing that can be played here")
+        self._span = self._begin_and_end()
+        self._refuse_silence(chosen & frozenset(playable))
         self.pace = Pace(options.rate, options.paused)
         self.sent = 0
 
@@ -91,10 +95,10 @@ class Player:
         Args:
             send: Takes the full name of a topic and a serialized message.
         """
-        begin = self._index.begin + round(self._options.start * 1e9)
+        begin, _ = self._span
         while not self.pace.stopped:
             begun = False
-            for time, topic, data in self._events(begin):
+            for time, topic, data in self._events():
                 if not begun:  # not before the first chunk is unpacked
                     begun = True
                     self.pace.begin(begin)
@@ -105,14 +109,50 @@ class Player:
             if not self._options.loop:
                 return
 
-    def _events(self, begin: int) -> Iterator[Event]:
+    def _begin_and_end(self) -> tuple[int, float]:
+        """The recorded time that is played, since the epoch [ns]."""
         length = self._options.duration
-        end = None if length is None else begin + round(length * 1e9)
+        begin = self._index.begin + round(self._options.start * 1e9)
+        return begin, math.inf if length is None else begin + round(length * 1e9)
+
+    def _refuse_silence(self, chosen: frozenset[str]) -> None:
+        """Refuses what plays nothing: a loop would read the bag for ever without a pause.
+
+        The clocks that go with any choice of topics do not count: alone they are nothing to play.
+
+        Raises:
+            ConfigurationError: No message of the chosen topics is in the time that is played.
+        """
+        index, options = self._index, self._options
+        filled = frozenset(name for name, topic in index.topics.items() if topic.count)
+        near = self._silence_near(chosen, filled) if chosen & filled else ""
+        if near is None:
+            return
+        asked = f"{options.start_option} {options.start:g}: " if options.start > 0.0 else ""
+        raise ConfigurationError(f"{asked}bag {index.path} holds no {', '.join(sorted(chosen))}{near}")
+
+    def _silence_near(self, chosen: frozenset[str], filled: frozenset[str]) -> str | None:
+        """Where the nearest message of the chosen topics is, if none is played; None if one is."""
+        (begin, end), first = self._span, self._index.begin
+        if end == math.inf and (begin == first or filled <= chosen):  # the last one at least: no need to look
+            return None
+        near = ""
+        for event in events(self._index, chosen):
+            if begin <= event.time <= end:
+                return None
+            after = f"{(event.time - first) / 1e9:.3f} s"
+            if event.time > end:
+                return f" until {after}, after the {self._options.duration:g} s to play"
+            near = f" after {after}"
+        return near
+
+    def _events(self) -> Iterator[Event]:
+        begin, end = self._span
         found: Iterable[Event] = events(self._index, self.topics, begin)
         if self.makes_clock:
             found = with_clock(found, round(1e9 / self._options.clock))
         for event in found:
-            if end is not None and event.time > end:
+            if event.time > end:
                 return
             yield event
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from follower_humanoid.command_line import Parser, positive, split_ros_args
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
+from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import NODES
 
 NONE = "none"
@@ -83,7 +84,7 @@ def parse(args: Sequence[str]) -> Options:
     given = _parser().parse_args(own)
     for name in given.without:
         if name not in NODES:
-            raise UnknownNameError("node for --without", name, NODES)
+            raise UnknownNameError("node", name, NODES, "--without", _meant(name))
     if given.namespace and not _NAMESPACE.fullmatch(given.namespace):
         raise ConfigurationError(
             f"--namespace '{given.namespace}': valid: letters, digits and _, not beginning with a digit, "
@@ -103,6 +104,14 @@ def parse(args: Sequence[str]) -> Options:
         ros_args=tuple(ros_args),
         given=frozenset(name for name in ("leader", "bag") if getattr(given, name) is not None),
     )
+
+
+def _meant(name: str) -> str:
+    """What a name that cannot be left out may be meant to say."""
+    parts = [part.strip() for part in name.split(",") if part.strip()]
+    if len(parts) > 1:
+        return f"one at a time: {' '.join(f'--without {part}' for part in parts)}"
+    return {RECORDER: "--bag none leaves it out", VIEWER: "it runs with --view only"}.get(name, "")
 
 
 def bag_folder(given: str | None, where: str = "--bag") -> Path | None:

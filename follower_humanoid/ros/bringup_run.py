@@ -17,6 +17,7 @@ from lifecycle_msgs.msg import Transition
 from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.compile import import_components
+from follower_humanoid.errors import BAD_CONFIGURATION
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.claim import Claim, already_runs
@@ -26,7 +27,7 @@ from follower_humanoid.ros.lines import BORN_WITH, line_pairs
 from follower_humanoid.ros.outcome import ENDED, End, Outcome, judge
 from follower_humanoid.ros.run_plan import RunPlan
 from follower_humanoid.ros.spin import StopSignal, start_ros
-from follower_humanoid.ros.status import StatusLine, summary_text
+from follower_humanoid.ros.status import StatusLine, has_begun, summary_text
 from follower_humanoid.ros.transport import choose_network
 
 COMPOSED = "composed"
@@ -198,15 +199,22 @@ class BringupRun:
         values = dict(self._director.values)
         told = values.get(SIMULATOR, {}), stuck, self._recorder_status(), values.get(RECORDER, {})
         status, words = judge(end, *told)
-        for text in words:
+        for text in words if status != BAD_CONFIGURATION else ():  # which the node has told itself
             self._say(text)
-        bag = self._plan.options.bag
-        if bag and bag.exists():
-            values[RECORDER] = {"bag": str(bag)}
-        summary = summary_text(values)
-        if summary:
-            print(f"the run came to this:\n{summary}", flush=True)
+        self._sum_up(values, status)
         return status
+
+    def _sum_up(self, values: dict[str, dict[str, str]], status: int) -> None:
+        """Says what the run came to; of one that has not begun, where its bag is at most."""
+        bag = self._plan.options.bag
+        kept = bag if bag and bag.exists() else None
+        if has_begun(values, SIMULATOR in self._plan.nodes):
+            values[RECORDER] = {"bag": str(kept)} if kept else {}
+            summary = summary_text(values)
+            if summary:
+                print(f"the run came to this:\n{summary}", flush=True)
+        elif kept or status == 0:
+            print(f"no tick was taken{f'; bag: {kept}' if kept else ''}", flush=True)
 
     def _latest_stop(self, begin: float) -> float:
         """When patience ends: soon if a signal asked, at the end of a run once the bag is written."""

@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 from types import FrameType
 from typing import Any
@@ -32,6 +33,7 @@ from follower_humanoid.ros.spin import start_ros
 _LAST_ACKNOWLEDGEMENT = Duration(seconds=1)
 _MATCHING = 3.0  # wall time in which subscribers are found before the first message, at the longest [s]
 _QUIET = 0.5  # once there are some, the others are there too after that long
+_LEAST = 1.2  # graphs of this package announce themselves every half second
 _STEP = 0.02
 # Topics that any number of nodes may publish.
 _EVERYBODYS = frozenset({"diagnostics", "rosout", "parameter_events", "tf", "tf_static"})
@@ -42,7 +44,7 @@ def play(options: PlayOptions, ros_args: list[str], name: str = REPLAY) -> int:
     """Plays a bag; returns the exit status.
 
     Beside a running graph, whose nodes it would contradict, `replay` plays nothing; under any other name it
-    says so and plays.
+    says so and plays. The clock alone is left to whoever keeps it already.
 
     Raises:
         ConfigurationError: The bag or an option cannot be used, or somebody publishes the same already.
@@ -97,14 +99,20 @@ def _play(player: Player, index: BagIndex, types: dict[str, Any], name: str) -> 
     spinning.start()
     try:
         _wait_for_subscribers(publishers, player.pace)
-        if rival := _rival(node, publishers):
-            if name == REPLAY:
-                raise ConfigurationError(f"{rival}; valid: another ROS_DOMAIN_ID, or --topics with others")
-            print(f"note: {rival}", file=sys.stderr)
+        taken = _taken(node, publishers)
+        clocks = taken.keys() & {*player.clocks, *player.made_topics()}
+        rivals = [f"{topic} is published by {taken[topic]} already" for topic in sorted({*taken} - clocks)]
+        if rivals and name == REPLAY:
+            raise ConfigurationError(f"{rivals[0]}; valid: another ROS_DOMAIN_ID, or --topics with others")
+        notes = [*rivals[:1], *(f"{topic} is left to {taken[topic]}" for topic in sorted(clocks))]
+        print(*(f"note: {note}\n" for note in notes), sep="", end="", file=sys.stderr)
         print(_announcement(player, index), file=sys.stderr, flush=True)
         gc.collect()
         gc.disable()  # a collection would delay messages; nothing here makes cycles
-        sends: dict[str, Callable[[bytes], None]] = {t: p.publish for t, p in publishers.items()}
+        sends: dict[str, Callable[[bytes], None]] = {
+            topic: _keep_silent if topic in clocks else publisher.publish
+            for topic, publisher in publishers.items()
+        }
         player.run(lambda topic, data: sends[topic](data))
         if not player.pace.stopped:
             for publisher in publishers.values():
@@ -116,15 +124,20 @@ def _play(player: Player, index: BagIndex, types: dict[str, Any], name: str) -> 
         node.destroy_node()
 
 
-def _rival(node: Node, publishers: dict[str, Any]) -> str:
-    """Who publishes one of these topics already, in words; empty: nobody does."""
+def _taken(node: Node, publishers: dict[str, Any]) -> dict[str, str]:
+    """Which of these topics others publish already, and who."""
+    taken = {}
     for topic, publisher in publishers.items():
         if topic.rpartition("/")[2] not in _EVERYBODYS:
             infos = node.get_publishers_info_by_topic(publisher.topic_name)
-            others = sorted({info.node_name for info in infos} - {node.get_name()})
+            others = Counter(info.node_name for info in infos) - Counter([node.get_name()])
             if others:
-                return f"{topic} is published by {', '.join(others)} already"
-    return ""
+                taken[topic] = ", ".join(sorted(others))
+    return taken
+
+
+def _keep_silent(data: bytes) -> None:
+    """In place of a clock where somebody else keeps the time."""
 
 
 def _announcement(player: Player, index: BagIndex) -> str:
@@ -177,6 +190,6 @@ def _wait_for_subscribers(publishers: dict[str, Any], pace: Pace) -> None:
         matched = sum(publisher.get_subscription_count() for publisher in publishers.values())
         if matched != seen:
             seen, changed = matched, now
-        if matched and now - changed > _QUIET:
+        if matched and now - changed > _QUIET and now - begin > _LEAST:
             return
         time.sleep(_STEP)

@@ -56,7 +56,8 @@ def run_parameters(
         known = {n: node_parameters(n) for n in ([target] if target else node_names())}
         having = {n: infos[name] for n, infos in known.items() if name in infos}
         if not having:
-            raise UnknownNameError("parameter", name, {v for infos in known.values() for v in infos})
+            where = f"--ros-args -p: {target}" if target else "--ros-args -p"
+            raise UnknownNameError("parameter", name, {v for infos in known.values() for v in infos}, where)
         value = read_value(text, f"--ros-args -p {name}")
         for n, info in having.items():
             checked = info.checked(value, "--ros-args -p")
@@ -110,7 +111,7 @@ def split_parameters(
             raise ConfigurationError(f"--ros-args {word} {value}: needs NAME:=VALUE")
         node, _, own = name.rpartition(":")
         if node and node not in (*NODES, ARM_TASK.name, RECORDER, VIEWER):
-            raise UnknownNameError("node in --ros-args", node, (*NODES, RECORDER, VIEWER))
+            raise UnknownNameError("node", node, (*NODES, RECORDER, VIEWER), f"--ros-args {word}")
         assignments.append((node, own, text))
     return tuple(rest), files, assignments
 

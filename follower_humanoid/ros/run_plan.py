@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import yaml
 
 from follower_humanoid.core.config import build
+from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import LEADER, RECORDER, VIEWER, RunConfig
 from follower_humanoid.graph.wiring import NODES, SIMULATOR
 from follower_humanoid.resources import share_path
@@ -23,6 +25,7 @@ from follower_humanoid.ros.run_parameters import (
     run_parameters,
     split_parameters,
 )
+from follower_humanoid.ros.run_ticks import check_ticks
 
 LONGEST_SETTLING = 10.0
 
@@ -79,8 +82,11 @@ def make_plan(options: Options) -> RunPlan:
             duration, settle = own["duration"], 0.0
         settle = own.get("settle", settle)
     build(RunConfig, {"duration": duration, "settle": settle}, SIMULATOR)  # within their ranges?
-    present = ",".join((*nodes, *((RECORDER,) if options.bag else ())))
-    for name in (*nodes, *((RECORDER,) if options.bag else ())):
+    told = (*nodes, *((RECORDER,) if options.bag else ()))
+    set_by = [*map(str, (*options.params, *files)), *(["--ros-args -p"] if assignments else [])]
+    check_ticks(parameters.all, told, ", ".join(set_by) or "config/follower.yaml")
+    present = ",".join(told)
+    for name in told:
         parameters.set(name, nodes=present, autostart=False)
         if remapped := remapped_topics(ros_args):  # a filter may have come between: nodes go by the names
             parameters.set(name, by_topic=",".join(remapped))
@@ -114,6 +120,10 @@ def _programme(name: str) -> tuple[tuple[str, float], str]:
     """Name or absolute path with the duration [s], and the text."""
     from follower_humanoid.leader.programme import BUILT_IN, load_programme
 
+    if name not in BUILT_IN and not os.path.exists(name):  # here, unlike for the leader, one is `none`
+        raise ConfigurationError(
+            f"no force programme '{name}'; valid: {', '.join((*BUILT_IN, NONE))}, or a YAML file"
+        )
     duration = load_programme(name).duration
     path = share_path(f"config/programmes/{name}.yaml") if name in BUILT_IN else Path(name).absolute()
     return (name if name in BUILT_IN else str(path), duration), path.read_text(encoding="utf-8")

@@ -69,6 +69,22 @@ def status_text(values: Values) -> str:
     return "   ".join(parts)
 
 
+def has_begun(values: Values, ours: bool) -> bool:
+    """Whether a tick was taken, as far as is known; with another's simulator, which need not tell, it may be.
+
+    Args:
+        values: What the nodes last said.
+        ours: Whether the simulator is this package's.
+    """
+    told = values.get("simulator", {}).get("simulated_time [s]")
+    if told is None:
+        return not ours
+    try:
+        return float(told) > 0.0
+    except ValueError:
+        return True
+
+
 def summary_text(values: Values) -> str:
     """A line per quantity; one that its node did not report is left out."""
     lines = []
