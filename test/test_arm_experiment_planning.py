@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from follower_humanoid.arm_experiment.plan import make_arm_plan
+from follower_humanoid.arm_experiment.simulate import simulate_arm
 from follower_humanoid.arm_experiment.target_points import Leading, Line, TargetPlanner, TargetPoint
 from follower_humanoid.arm_experiment.tasks import ArmTaskConfig
 from follower_humanoid.errors import ConfigurationError
@@ -166,3 +167,9 @@ def test_bad_words_are_refused():
     assert "arm_experiment" in refused("board", "--fast")
     assert "arm_experiment: argument --duration" in refused("board", "--duration", "-1")
     assert "experiment" in refused()
+
+
+@pytest.mark.parametrize("seconds", [-1.0, 0.0, float("nan")])
+def test_an_experiment_without_a_tick_is_refused(seconds):
+    with pytest.raises(ConfigurationError, match="duration"):
+        simulate_arm("board", seconds)

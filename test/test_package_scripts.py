@@ -200,3 +200,13 @@ def test_what_is_missing_is_told_in_one_line(checkout, environment, told):
     assert told in done.stderr
     assert done.stderr.count("\n") == 1
     assert checkout.called() == []
+
+
+@pytest.mark.parametrize(("argument", "status"), [("--help", 0), ("-h", 0), ("--brief", 2)])
+def test_pictures_are_not_made_by_way_of_asking(tmp_path, argument, status):
+    checkout = Checkout(tmp_path)
+    asked = checkout.run("scripts/pictures", argument)
+    assert asked.returncode == status
+    assert "usage: scripts/pictures" in (asked.stderr if status else asked.stdout)
+    assert checkout.called() == []
+    assert not (checkout.root / ".venv").exists()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from follower_humanoid.arm_experiment.experiments import experiment
+from follower_humanoid.graph.chain_arguments import ticks_of
 from follower_humanoid.graph.config_file import load_parameters
 from follower_humanoid.graph.record import Run
 from follower_humanoid.graph.simulate import TICK, Chain, Interference, Parameters
@@ -55,10 +56,13 @@ def simulate_arm(
         name, parameters, tick, interference, without: See `arm_chain`.
         duration: Simulated time, the experiment's own by default [s].
         watch: Called after each tick.
+
+    Raises:
+        ConfigurationError: An argument cannot be used.
     """  # fmt: skip
     chain = arm_chain(name, parameters, tick=tick, interference=interference, without=without)
     try:
-        for _ in range(round((duration or experiment(name).duration) / tick)):
+        for _ in range(ticks_of(experiment(name).duration if duration is None else duration, tick)):
             chain.advance()
             if watch is not None:
                 watch(chain)
