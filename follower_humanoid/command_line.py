@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 from follower_humanoid.errors import ConfigurationError
@@ -46,6 +48,21 @@ def count(text: str) -> int:
     if not text.isdigit():
         raise argparse.ArgumentTypeError(f"'{text}': needs a whole number from 0 on")
     return int(text)
+
+
+def check_room(path: Path, where: str) -> None:
+    """Whether a folder that need not be there yet can be made, or written to.
+
+    Args:
+        path: The folder.
+        where: The option that names it.
+
+    Raises:
+        ConfigurationError: What is there of its path is no folder, or one that cannot be written to.
+    """
+    there = next(place for place in (path, *path.absolute().parents) if os.path.exists(place))
+    if not os.path.isdir(there) or not os.access(there, os.W_OK | os.X_OK):
+        raise ConfigurationError(f"{where} {path}: {there} is not a folder that can be written to")
 
 
 def split_ros_args(args: Sequence[str]) -> tuple[list[str], list[str]]:

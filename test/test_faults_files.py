@@ -18,7 +18,8 @@ from follower_humanoid.faults.files import tried_files
 from follower_humanoid.faults.hostile_files import KINDS, HostileBag, HostileUrdf
 from follower_humanoid.faults.short_bag import short_bag
 from follower_humanoid.gait.composition import MotionComposition
-from follower_humanoid.graph.resimulate import Repetition, repeatable
+from follower_humanoid.graph.repeatable import repeatable
+from follower_humanoid.graph.resimulate import Repetition
 from follower_humanoid.graph.simulate import simulate
 from follower_humanoid.leader.leader import LeaderConfig
 from follower_humanoid.plant.simulator import Simulator, SimulatorConfig

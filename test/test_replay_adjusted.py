@@ -11,7 +11,7 @@ from graph_bench import bringup, run_script
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.record import Adjusted, Run
-from follower_humanoid.graph.resimulate import repeatable
+from follower_humanoid.graph.repeatable import repeatable
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.replay.again import repeat, simulate_again
 

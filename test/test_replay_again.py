@@ -12,7 +12,8 @@ import yaml
 
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.record import Run
-from follower_humanoid.graph.resimulate import repeatable, samples_of
+from follower_humanoid.graph.repeatable import repeatable
+from follower_humanoid.graph.resimulate import samples_of
 from follower_humanoid.graph.simulate import simulate
 from follower_humanoid.replay.again import repeat
 

@@ -15,7 +15,7 @@ from graph_bench import bringup, wait_until
 
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.record import Holding, Run
-from follower_humanoid.graph.resimulate import repeatable
+from follower_humanoid.graph.repeatable import repeatable
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.graph.wiring import NodeWiring
 from follower_humanoid.replay.again import repeat, simulate_again

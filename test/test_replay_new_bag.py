@@ -20,7 +20,7 @@ from follower_humanoid.bag.mcap_writer import McapWriter
 from follower_humanoid.bag.parameter_events import parameter_event
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.graph.record import Adjusted, Holding, Run
-from follower_humanoid.graph.resimulate import repeatable
+from follower_humanoid.graph.repeatable import repeatable
 from follower_humanoid.graph.simulate import Chain
 from follower_humanoid.nodes.replay import main
 from follower_humanoid.replay.again import FAILED, repeat

@@ -15,7 +15,7 @@ from pathlib import Path
 from follower_humanoid.bench import graph
 from follower_humanoid.bench.check import NO_FALL, Check
 from follower_humanoid.bench.scenarios import SCENARIOS, Evidence, Scenario
-from follower_humanoid.command_line import Parser
+from follower_humanoid.command_line import Parser, check_room
 from follower_humanoid.errors import BAD_CONFIGURATION, ConfigurationError, FollowerError, UnknownNameError
 from follower_humanoid.graph.simulate import simulate
 
@@ -197,9 +197,7 @@ def _check_folder(path: Path | None) -> None:
         return
     if os.path.lexists(path) and not os.path.isdir(path):
         raise ConfigurationError(f"--tuning {path}: is not a folder")
-    above = next(place for place in (path, *path.absolute().parents) if os.path.exists(place))
-    if not os.path.isdir(above) or not os.access(above, os.W_OK | os.X_OK):
-        raise ConfigurationError(f"--tuning {path}: {above} is not a folder that can be written to")
+    check_room(path, "--tuning")
 
 
 def _write(path: Path | None, table: dict[str, list[Check]]) -> None:

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
+from follower_humanoid.graph.graph_config import LONGEST_RUN
 from follower_humanoid.graph.wiring import ARM_TASK, NODES, SIMULATOR
 
 NOBODY = "none"  # the leader of a robot that is not led
-_LONGEST = 1e7  # of a run, as in the graph [s]
 
 
 def check_parameters(parameters: Mapping[str, Mapping[str, Any]], nodes: Iterable[str]) -> None:
@@ -81,8 +81,8 @@ def ticks_of(duration: float, tick: float) -> int:
     Raises:
         ConfigurationError: No such time, or one without a tick.
     """
-    usable = isinstance(duration, Real) and math.isfinite(duration) and duration <= _LONGEST
+    usable = isinstance(duration, Real) and math.isfinite(duration) and duration <= LONGEST_RUN
     ticks = round(duration / tick) if usable else 0
     if ticks < 1:
-        raise ConfigurationError(f"duration = {duration!r}: valid: {tick} to {_LONGEST:g} s")
+        raise ConfigurationError(f"duration = {duration!r}: valid: {tick} to {LONGEST_RUN:g} s")
     return ticks

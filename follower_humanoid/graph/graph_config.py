@@ -12,6 +12,7 @@ RECORDER = "recorder"
 VIEWER = "viewer"
 LEADER = "leader"
 ALL_NODES = ",".join(NODES)
+LONGEST_RUN = 1e7  # [s]
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,9 @@ class GraphConfig:
 class RunConfig:
     """When a run ends and how fast it goes: parameters of the simulator node."""
 
-    duration: float = parameter(0.0, "simulated time after which the run ends; 0 = endless", "s", 0.0, 1e7)
+    duration: float = parameter(
+        0.0, "simulated time after which the run ends; 0 = endless", "s", 0.0, LONGEST_RUN
+    )
     settle: float = parameter(
         0.0, "longest time after `duration` to wait until the robot stands; 0 = none", "s", 0.0, 1000.0
     )

@@ -81,8 +81,8 @@ class Programme:
         return Forces(*((1.0 - share) * self._forces[index - 1] + share * self._forces[index]))
 
 
-def load_programme(name_or_path: str) -> Programme:
-    """A built-in programme by its name, or one from a YAML file.
+def load_programme(name_or_path: str, *others: str) -> Programme:
+    """A built-in programme by its name, or one from a YAML file; other words are named as valid, no more.
 
     Raises:
         ConfigurationError: No such programme, or the file is not a programme; one line that names
@@ -93,8 +93,9 @@ def load_programme(name_or_path: str) -> Programme:
     else:
         path = Path(name_or_path)
         if not os.path.exists(path):  # unlike Path's, False for a name that no file can have
+            valid = ", ".join((*BUILT_IN, *others))
             raise ConfigurationError(
-                f"no force programme '{name_or_path}'; valid: {', '.join(BUILT_IN)}, or a YAML file"
+                f"no force programme '{name_or_path}'; valid: {valid}, or a YAML file"
             )
     return parse_programme(read_yaml(path), str(path))
 

@@ -12,7 +12,8 @@ from pathlib import Path
 from follower_humanoid.bag.reader import read_run
 from follower_humanoid.errors import ConfigurationError, PhysicsError
 from follower_humanoid.graph.compare import Comparison, Difference
-from follower_humanoid.graph.resimulate import Keep, Recorded, Repetition, repeatable
+from follower_humanoid.graph.repeatable import Recorded, repeatable
+from follower_humanoid.graph.resimulate import Keep, Repetition
 
 FAILED = 1
 DIFFERS = 4

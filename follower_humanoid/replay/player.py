@@ -72,15 +72,17 @@ class Player:
         chosen = index.chosen(options.topics)
         if options.without:
             chosen -= index.chosen(options.without)
+        known = frozenset(playable)
+        chosen &= known
         clocks = {name for name, topic in index.topics.items() if topic.type_name == CLOCK_TYPE}
         self.clocks = frozenset(clocks)
         # Whoever follows the clock needs it with any choice of topics.
         also = self.clocks if options.clock_always else frozenset()
-        self.topics = (chosen | also) & frozenset(playable)
-        if not chosen & frozenset(playable):
+        self.topics = chosen | (also & known)
+        if not chosen:
             raise ConfigurationError(f"bag {index.path} holds nothing that can be played here")
         self._span = self._begin_and_end()
-        self._refuse_silence(chosen & frozenset(playable))
+        self._refuse_silence(chosen)
         self.pace = Pace(options.rate, options.paused)
         self.sent = 0
 

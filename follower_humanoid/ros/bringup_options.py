@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from follower_humanoid.command_line import Parser, positive, split_ros_args
+from follower_humanoid.command_line import Parser, check_room, positive, split_ros_args
 from follower_humanoid.errors import ConfigurationError, UnknownNameError
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import NODES
@@ -133,7 +132,5 @@ def bag_folder(given: str | None, where: str = "--bag") -> Path | None:
         raise ConfigurationError(f"{where} {folder}: no folder can have that name: {reason}") from None
     if taken:
         raise ConfigurationError(f"{where} {folder}: exists already, is not overwritten; name a new folder")
-    above = next(parent for parent in folder.parents if parent.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise ConfigurationError(f"{where} {folder}: {above} is not a folder that can be written to")
+    check_room(folder, where)
     return folder

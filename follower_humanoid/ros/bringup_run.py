@@ -17,7 +17,6 @@ from lifecycle_msgs.msg import Transition
 from rclpy.utilities import ok, try_shutdown
 
 from follower_humanoid.compile import import_components
-from follower_humanoid.errors import BAD_CONFIGURATION
 from follower_humanoid.graph.graph_config import RECORDER, VIEWER
 from follower_humanoid.graph.wiring import SIMULATOR
 from follower_humanoid.ros.claim import Claim, already_runs
@@ -199,7 +198,7 @@ class BringupRun:
         values = dict(self._director.values)
         told = values.get(SIMULATOR, {}), stuck, self._recorder_status(), values.get(RECORDER, {})
         status, words = judge(end, *told)
-        for text in words if status != BAD_CONFIGURATION else ():  # which the node has told itself
+        for text in words:
             self._say(text)
         self._sum_up(values, status)
         return status

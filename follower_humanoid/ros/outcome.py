@@ -92,7 +92,8 @@ def _judged(end: End, simulator: Mapping[str, str], stuck: Sequence[str]) -> tup
         told = simulator.get(EXIT_STATUS, "")
         status = int(told) if re.fullmatch(r"[0-9]{1,3}", told) else FAILED
         lost = [f"lost: {', '.join(stuck)} (no sign of life)"] if stuck and status == FAILED else []
-        return status, [word, *lost] if status else []
+        told_already = status in (0, BAD_CONFIGURATION)  # a bad configuration the node has told itself
+        return status, [] if told_already else [word, *lost]
     ended = None if member is None else member.process.returncode
     if member is None or ended is None:
         return FAILED, []

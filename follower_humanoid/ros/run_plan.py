@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Any
 import yaml
 
 from follower_humanoid.core.config import build
-from follower_humanoid.errors import ConfigurationError
 from follower_humanoid.graph.graph_config import LEADER, RECORDER, VIEWER, RunConfig
 from follower_humanoid.graph.wiring import NODES, SIMULATOR
 from follower_humanoid.resources import share_path
@@ -120,11 +118,7 @@ def _programme(name: str) -> tuple[tuple[str, float], str]:
     """Name or absolute path with the duration [s], and the text."""
     from follower_humanoid.leader.programme import BUILT_IN, load_programme
 
-    if name not in BUILT_IN and not os.path.exists(name):  # here, unlike for the leader, one is `none`
-        raise ConfigurationError(
-            f"no force programme '{name}'; valid: {', '.join((*BUILT_IN, NONE))}, or a YAML file"
-        )
-    duration = load_programme(name).duration
+    duration = load_programme(name, NONE).duration  # which is no word for the leader itself
     path = share_path(f"config/programmes/{name}.yaml") if name in BUILT_IN else Path(name).absolute()
     return (name if name in BUILT_IN else str(path), duration), path.read_text(encoding="utf-8")
 

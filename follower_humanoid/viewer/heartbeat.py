@@ -26,7 +26,7 @@ class Heartbeat:
         """
         self._hands, self._clients, self._patience = hands, clients, patience
         self._over = threading.Event()
-        self._asked: dict[int, threading.Thread] = {}
+        self._asked: set[int] = set()  # pages that have not answered yet
         threading.Thread(target=self._beat, daemon=True).start()
 
     def end(self) -> None:
@@ -39,14 +39,15 @@ class Heartbeat:
                 client = self._clients().get(number)
                 if client is None:
                     self._hands.gone(number)
-                elif number not in self._asked or not self._asked[number].is_alive():
-                    asking = threading.Thread(target=self._ask, args=(number, client), daemon=True)
-                    self._asked[number] = asking
-                    asking.start()
-            self._asked = {number: asking for number, asking in self._asked.items() if asking.is_alive()}
+                elif number not in self._asked:
+                    self._asked.add(number)
+                    threading.Thread(target=self._ask, args=(number, client), daemon=True).start()
 
     def _ask(self, number: int, client: Any) -> None:
         # No answer in time: nothing is heard, and its hold runs out.
-        with suppress(RuntimeError, TimeoutError):
-            client.local_storage.get_item("follower", timeout=self._patience)
-            self._hands.heard(number, time.monotonic())
+        try:
+            with suppress(RuntimeError, TimeoutError):
+                client.local_storage.get_item("follower", timeout=self._patience)
+                self._hands.heard(number, time.monotonic())
+        finally:
+            self._asked.discard(number)
